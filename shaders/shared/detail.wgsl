@@ -19,6 +19,7 @@ const FOLIAGE: u32 = 12u;
 const WOOD: u32 = 13u;
 const WATER: u32 = 14u;
 const LACQUER: u32 = 15u;
+const PANE: u32 = 16u;
 
 const NO_JOINTS: f32 = 0.0;
 
@@ -76,6 +77,9 @@ fn pattern_of(material: u32) -> Pattern {
         }
         case LACQUER: {
             return Pattern(vec4<f32>(1.0, 1.0, 0.0, 0.0), none, vec4<f32>(0.0, 0.0, 0.06, 0.0));
+        }
+        case PANE: {
+            return Pattern(vec4<f32>(3.0, 0.5, 0.0, 0.0), none, vec4<f32>(0.0, 0.0, 0.1, 0.0));
         }
         default: {
             return Pattern(vec4<f32>(1.3, 0.09, 0.03, 0.03), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));

@@ -11,7 +11,6 @@ use crate::sim::departures::{Departures, Evacuation};
 use crate::sim::measured::{Extremes, MEASURED};
 use crate::sim::{self, Simulation, measure};
 use crate::{Error, stop};
-use glam::Vec2;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -102,9 +101,7 @@ pub(super) struct Recording {
     /// Steps between two frames.
     every: u32,
     writer: TrajectoryWriter,
-    // memory of the last frame
-    positions: Vec<Vec2>,
-    velocities: Vec<Vec2>,
+    /// Memory of the last frame.
     headings: Vec<f32>,
 }
 
@@ -135,22 +132,21 @@ impl Recording {
     }
 
     fn new(path: &Path, every: u32, writer: TrajectoryWriter) -> Self {
-        let (positions, velocities, headings) = Default::default();
-        Self { path: path.to_owned(), every, writer, positions, velocities, headings }
+        Self { path: path.to_owned(), every, writer, headings: Vec::new() }
     }
 
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let store = simulation.state()?;
         let agents = store.step.agent_count as usize;
-        let Self { positions, velocities, headings, .. } = self;
-        for (column, pairs) in [(&mut *positions, &store.position), (&mut *velocities, &store.velocity)] {
-            column.clear();
-            column.extend(pairs[..agents].iter().copied().map(Vec2::from_array));
-        }
-        headings.clear();
-        headings.extend(store.stance[..agents].iter().map(|stance| stance.heading));
+        self.headings.clear();
+        self.headings.extend(store.stance[..agents].iter().map(|stance| stance.heading));
         let emotions = if store.step.feels == 0 { &[] } else { &store.feeling[..agents] };
-        let frame = Frame { positions, headings, velocities, emotions };
+        let frame = Frame {
+            positions: bytemuck::cast_slice(&store.position[..agents]),
+            headings: &self.headings,
+            velocities: bytemuck::cast_slice(&store.velocity[..agents]),
+            emotions,
+        };
         Ok(self.writer.frame(&frame)?)
     }
 

@@ -8,6 +8,7 @@ use super::pipelines::Resource;
 use super::settings::Settings;
 use crate::gpu::Buffer;
 use ash::vk;
+use glam::Mat4;
 use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
 
 pub(super) const SHADERS: Stage =
@@ -27,6 +28,11 @@ impl Frame<'_> {
     /// The part of the images that is drawn.
     pub(super) fn area(&self) -> vk::Rect2D {
         area(self.settings.width, self.settings.height)
+    }
+
+    /// From the world to what each eye sees.
+    pub(super) fn eyes(&self) -> &[Mat4] {
+        &self.view.clip_from_world[..self.view.eye_count.clamp(1, 2) as usize]
     }
 }
 

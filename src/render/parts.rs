@@ -1,6 +1,5 @@
 //! Triangles in parts: what lies near one another is drawn together, or left out together.
 
-use crate::avatar::PlaceVertex;
 use glam::{Mat4, Vec3};
 
 /// Most triangles of a part.
@@ -17,9 +16,8 @@ pub(super) struct Part {
     high: Vec3,
 }
 
-/// The indices of triangles, those of each part one after the other, and the parts.
-pub(super) fn split(vertices: &[PlaceVertex], indices: &[u32]) -> (Vec<u32>, Vec<Part>) {
-    let corner = |index: u32| vertices.get(index as usize).map_or(Vec3::ZERO, |vertex| vertex.position);
+/// The indices of triangles, those of each part one after the other, and the parts. `corner` is where a vertex is.
+pub(super) fn split(corner: impl Fn(u32) -> Vec3, indices: &[u32]) -> (Vec<u32>, Vec<Part>) {
     let mut triangles: Vec<([u32; 3], Vec3)> = indices
         .chunks_exact(3)
         .map(|t| ([t[0], t[1], t[2]], t.iter().map(|index| corner(*index)).sum::<Vec3>() / 3.0))
@@ -88,6 +86,7 @@ pub(super) fn seen<'a>(parts: &'a [Part], clip_from_world: &'a [Mat4]) -> Vec<(u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::avatar::PlaceVertex;
     use crate::render::Camera;
     use crate::render::camera::View;
     use glam::Vec2;
@@ -111,10 +110,14 @@ mod tests {
         ((0..row * row).map(vertex).collect(), (0..side * side).flat_map(square).collect())
     }
 
+    fn at(vertices: &[PlaceVertex]) -> impl Fn(u32) -> Vec3 + '_ {
+        |index| vertices[index as usize].position
+    }
+
     #[test]
     fn parts_hold_every_triangle_once_and_lie_together() {
         let (vertices, indices) = sheet(200);
-        let (sorted, parts) = split(&vertices, &indices);
+        let (sorted, parts) = split(at(&vertices), &indices);
         let triangles = |indices: &[u32]| {
             let mut all: Vec<Vec<u32>> = indices.chunks_exact(3).map(<[u32]>::to_vec).collect();
             all.sort_unstable();
@@ -130,13 +133,13 @@ mod tests {
             assert!(size.x < 80.0 && size.z < 80.0, "{size}");
         }
         assert_eq!(next as usize, indices.len());
-        assert_eq!(split(&vertices, &[]), (Vec::new(), Vec::new()));
+        assert_eq!(split(at(&vertices), &[]), (Vec::new(), Vec::new()));
     }
 
     #[test]
     fn only_what_can_be_seen_is_drawn() {
         let (vertices, indices) = sheet(200);
-        let (_, parts) = split(&vertices, &indices);
+        let (_, parts) = split(at(&vertices), &indices);
         let drawn = |eyes: Vec3, heading: f32, pitch: f32| {
             let view = View::mono(&Camera::user_eyes(eyes, heading, pitch), 400, 300);
             seen(&parts, &view.clip_from_world[..1]).iter().map(|(_, count)| *count as usize).sum::<usize>()

@@ -315,9 +315,10 @@ impl Renderer {
         let [from, to] = frame::UNIFORMS;
         commands.barrier(from, to);
         self.shadow.record(commands, || {
-            self.environment.record_shadow(commands);
+            let shadow_from_world = Mat4::from_cols_array_2d(&uniforms.shadow_from_world);
+            self.environment.record_shadow(commands, &shadow_from_world);
             if let Some(place) = &self.place {
-                place.record_shadow(commands, &Mat4::from_cols_array_2d(&uniforms.shadow_from_world));
+                place.record_shadow(commands, &shadow_from_world);
             }
             self.crowd.record_shadow(frame, commands);
             self.outsiders.record_shadow(frame, commands);
@@ -364,7 +365,7 @@ impl Renderer {
                 painted.record(frame, commands);
             }
             self.outsiders.record(frame, commands);
-            self.environment.record(commands, eye_pass);
+            self.environment.record(frame, commands);
             if let Some(place) = &self.place {
                 place.record(frame, commands);
             }

@@ -1,6 +1,7 @@
 //! How frames are drawn.
 
 use super::{Atmosphere, Draws};
+use crate::scenario::Finish;
 use glam::Vec3;
 use std::str::FromStr;
 
@@ -78,6 +79,17 @@ pub enum Quality {
     Medium,
     /// The same with relief, and softer shadows.
     High,
+}
+
+impl Quality {
+    /// The scenery that its pictures have room for.
+    #[doc(hidden)]
+    pub const fn finish(self) -> Finish {
+        match self {
+            Self::Low => Finish::Plain,
+            Self::Medium | Self::High => Finish::Fine,
+        }
+    }
 }
 
 /// Text that is no [`Quality`].

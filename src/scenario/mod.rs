@@ -3,7 +3,7 @@
 //!
 //! A [`Scenario`] is read from TOML ([`Scenario::load`]) or built in ([`Scenario::builtin`]); [`Scenario::geometry`]
 //! says where everything is; [`populate()`] fills it with agents as a [`Crowd`]; and
-//! [`Environment::mesh`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
+//! [`Geometry::scenery`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
 //!
 //! ```
 //! use gaitway::{Scenario, Scene};
@@ -68,9 +68,7 @@ pub use file::{
 pub use file::{Bodies, Clothes, MAX_COORDINATE, Sizes};
 pub(crate) use place::place_model;
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
-pub use place::{
-    Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, SurfaceMaterial, external_bodies,
-};
+pub use place::{Clearance, ExternalBodies, Finish, RAILING, Raised, SurfaceMaterial, external_bodies};
 #[doc(hidden)]
 pub use polygon::UnionError;
 pub(crate) use populate::MOST_BY_CHANCE;

@@ -102,7 +102,7 @@ impl Stage {
     /// As [`Scene::start`], and when no Vulkan device can draw.
     pub fn new(scene: Scene, settings: Settings) -> Result<Self, crate::Error> {
         let (mut simulation, meshes) = scene.start_with_bodies()?;
-        let scenery = scene.geometry.scenery();
+        let scenery = scene.geometry.scenery_of(settings.quality.finish());
         let mut show = Show::new(&mut simulation, &meshes, &scenery, settings, scene.device.as_deref())?;
         show.set_gaze(&scene.scenario.gaze);
         Ok(Self { scene, simulation, show, size: (settings.width, settings.height), followed: None })

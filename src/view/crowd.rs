@@ -146,7 +146,7 @@ impl Company {
             quality: plan.quality,
             ..Settings::sized(width, height)
         };
-        let scenery = scene.geometry.scenery();
+        let scenery = scene.geometry.scenery_of(settings.quality.finish());
         let gaze = scene.scenario.gaze;
         let (start, meshes) = scene.buffers_with_bodies()?;
         let looks = Looks { scenery: &scenery, settings, gaze: &gaze };

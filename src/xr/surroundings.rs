@@ -55,7 +55,7 @@ impl Surroundings {
             number: next_number(),
             store,
             meshes,
-            scenery: geometry.scenery(),
+            scenery: geometry.scenery_of(quality.finish()),
             settings: Settings {
                 atmosphere: atmosphere(scene.scenario.layout),
                 shadow_size: SHADOW_SIZE,

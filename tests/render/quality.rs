@@ -5,7 +5,8 @@ use crate::support::*;
 use gaitway::gpu::Device;
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Image, Quality, Renderer, Settings, Stereo, Surface};
-use gaitway::scenario::SurfaceMaterial;
+use gaitway::scenario::{EnvironmentMesh, Finish, SurfaceMaterial};
+use gaitway::scene::{CameraChoice, Scene, Stage};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -123,5 +124,36 @@ fn what_is_finer_than_two_pixels_is_not_drawn() {
     // slabs of 0.6 m: a pixel of 7 cm shows them, one of 2.8 m shows nothing
     assert!(tones(0.07 * H as f32) > 10);
     assert_eq!(tones(2.8 * H as f32), 1);
+    gpu::assert_silent();
+}
+
+fn surface(mesh: &EnvironmentMesh) -> Surface<'_> {
+    Surface {
+        positions: &mesh.positions,
+        normals: &mesh.normals,
+        colors: &mesh.colors,
+        layers: &mesh.layers,
+        materials: &mesh.materials,
+        indices: &mesh.indices,
+    }
+}
+
+#[test]
+fn scenery_is_as_fine_as_pictures_of_a_quality_have_room_for() {
+    for quality in ALL {
+        let scene = Scene::load("parking").unwrap().build().unwrap();
+        let settings = Settings { quality, ..Settings::sized(W, H) };
+        let Some(mut stage) = gpu::on_device(Stage::new(scene, settings)) else { return };
+        let camera = stage.camera(CameraChoice::Eyes, 0.0).unwrap();
+        let drawn = stage.picture(&camera).unwrap();
+        keep(&format!("quality_scenery_{quality:?}"), &drawn);
+        let [plain, fine] = [Finish::Plain, Finish::Fine].map(|finish| {
+            let mesh = stage.scene.geometry.scenery_of(finish);
+            stage.show().renderer().set_environment(&[surface(&mesh)]).unwrap();
+            stage.picture(&camera).unwrap()
+        });
+        assert!(plain != fine, "{quality:?}");
+        assert!(drawn == if quality == Quality::Low { plain } else { fine }, "{quality:?}");
+    }
     gpu::assert_silent();
 }

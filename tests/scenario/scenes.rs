@@ -2,8 +2,8 @@
 
 use gaitway::Emotion;
 use gaitway::scenario::{
-    AgentStart, Clearance, Condition, Crowd, EmotionMode, Error, Geometry, Layout, ROUTE_CLEARANCE, Scenario,
-    User, polygon, populate,
+    AgentStart, Clearance, Condition, Crowd, EmotionMode, EnvironmentMesh, Error, Finish, Geometry, Layout,
+    ROUTE_CLEARANCE, Scenario, User, polygon, populate,
 };
 use glam::Vec2;
 use std::time::Instant;
@@ -431,23 +431,33 @@ fn mutilated_files_are_refused_or_read_but_never_panic() {
 fn scenery_has_a_sane_mesh_at_every_size() {
     for scenario in scenes(&[4, 100, 10_000, 1_000_000]) {
         let geometry = scenario.geometry();
-        let mesh = geometry.scenery();
-        let triangles = mesh.triangle_count();
-        println!("{}: {triangles} triangles, {} obstacles", label(&scenario), geometry.obstacles.len());
-        assert!((5_000..=60_000).contains(&triangles), "{}: {triangles} triangles", label(&scenario));
-        assert_eq!((mesh.positions.len(), mesh.positions.len()), (mesh.normals.len(), mesh.colors.len()));
-        for t in mesh.indices.chunks(3) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
-            let face = (b - a).cross(c - a);
-            assert!(face.is_finite() && face.length() > 0.0, "{}: {a} {b} {c}", label(&scenario));
-            let normal = mesh.normals[t[0] as usize];
-            assert!((normal.length() - 1.0).abs() < 1e-3);
-            assert!(face.normalize().dot(normal) > -1e-3, "{}: {a} {b} {c} faces inwards", label(&scenario));
-        }
-        assert!(mesh.colors.iter().all(|c| c.min_element() >= 0.0 && c.max_element() <= 4.0));
-        // Nothing that lies flat may be above the feet.
-        assert!(mesh.positions.iter().any(|p| p.y > 2.0) && mesh.positions.iter().all(|p| p.y >= 0.0));
+        println!("{}: {} obstacles", label(&scenario), geometry.obstacles.len());
+        let plain = sane(&geometry.scenery_of(Finish::Plain), &label(&scenario));
+        assert!((5_000..=60_000).contains(&plain), "{}: {plain} triangles", label(&scenario));
+        let fine = sane(&geometry.scenery_of(Finish::Fine), &label(&scenario));
+        assert!((plain + 1..=200_000).contains(&fine), "{}: {fine} triangles", label(&scenario));
+        assert_eq!(geometry.scenery(), geometry.scenery_of(Finish::Plain));
     }
+}
+
+/// Checks a mesh; how many triangles it has.
+fn sane(mesh: &EnvironmentMesh, name: &str) -> usize {
+    println!("{name}: {} triangles", mesh.triangle_count());
+    for count in [mesh.normals.len(), mesh.colors.len(), mesh.layers.len(), mesh.materials.len()] {
+        assert_eq!(mesh.positions.len(), count);
+    }
+    for t in mesh.indices.chunks(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
+        let face = (b - a).cross(c - a);
+        assert!(face.is_finite() && face.length() > 0.0, "{name}: {a} {b} {c}");
+        let normal = mesh.normals[t[0] as usize];
+        assert!((normal.length() - 1.0).abs() < 1e-3);
+        assert!(face.normalize().dot(normal) > -1e-3, "{name}: {a} {b} {c} faces inwards");
+    }
+    assert!(mesh.colors.iter().all(|c| c.min_element() >= 0.0 && c.max_element() <= 4.0));
+    // Nothing that lies flat may be above the feet.
+    assert!(mesh.positions.iter().any(|p| p.y > 2.0) && mesh.positions.iter().all(|p| p.y >= 0.0));
+    mesh.triangle_count()
 }
 
 #[test]

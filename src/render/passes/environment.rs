@@ -1,15 +1,17 @@
-//! The environment, and its shadow.
+//! The environment, and its shadow: what of it the eyes or the sun can see.
 
 use super::super::Error;
 use super::super::commands::{Commands, Submitter};
-use super::super::frame::Shared;
+use super::super::frame::{Frame, Shared};
 use super::super::ground_map;
+use super::super::parts::{self, Part};
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
 use super::super::settings::Quality;
 use super::super::surface::{self, Surface};
 use crate::gpu::Buffer;
 use crate::kernels::draw;
 use ash::vk;
+use glam::{Mat4, Vec3};
 
 /// Draws triangles that do not move.
 pub(in super::super) struct EnvironmentPass {
@@ -23,7 +25,7 @@ pub(in super::super) struct EnvironmentPass {
 struct Mesh {
     vertices: Buffer,
     indices: Buffer,
-    index_count: u32,
+    parts: Vec<Part>,
     /// How dark the ground is at the feet of walls; not at low quality, whose shaders do not read it.
     ground_map: Option<Buffer>,
 }
@@ -49,15 +51,18 @@ impl EnvironmentPass {
         if indices.is_empty() {
             return Ok(());
         }
-        let index_count = u32::try_from(indices.len())
-            .map_err(|error| Error::Mesh(format!("{} indices: {error}", indices.len())))?;
+        let corner = |index: u32| {
+            let [x, y, z, _] = vertices[index as usize][0];
+            Vec3::new(x, y, z)
+        };
+        let (indices, parts) = parts::split(corner, &indices);
         let has_map = self.quality > Quality::Low;
         let ground_map = has_map.then(|| ground_map::bake(&vertices, &indices));
         let ground_map =
             ground_map.map(|map| submitter.upload("ground map", bytemuck::cast_slice(&map))).transpose()?;
         let vertices = submitter.upload("environment", bytemuck::cast_slice(&vertices))?;
         let indices = submitter.upload("environment indices", bytemuck::cast_slice(&indices))?;
-        self.mesh = Some(Mesh { vertices, indices, index_count, ground_map });
+        self.mesh = Some(Mesh { vertices, indices, parts, ground_map });
         Ok(())
     }
 
@@ -70,15 +75,21 @@ impl EnvironmentPass {
         })
     }
 
-    pub(in super::super) fn record(&self, commands: &Commands<'_>, eye_pass: usize) {
-        self.draw(commands, self.solid, eye_pass);
+    pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
+        self.draw(commands, self.solid, frame.eye_pass, frame.eyes());
     }
 
-    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>) {
-        self.draw(commands, self.shadow, 0);
+    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, shadow_from_world: &Mat4) {
+        self.draw(commands, self.shadow, 0, std::slice::from_ref(shadow_from_world));
     }
 
-    fn draw(&self, commands: &Commands<'_>, pipeline: vk::Pipeline, eye_pass: usize) {
+    fn draw(
+        &self,
+        commands: &Commands<'_>,
+        pipeline: vk::Pipeline,
+        eye_pass: usize,
+        clip_from_world: &[Mat4],
+    ) {
         let Some(mesh) = &self.mesh else { return };
         commands.labelled(c"gaitway.environment", || {
             commands.use_program(&self.program, pipeline, eye_pass);
@@ -86,7 +97,9 @@ impl EnvironmentPass {
             unsafe {
                 let (raw, buffer) = (commands.raw(), commands.buffer);
                 raw.cmd_bind_index_buffer(buffer, mesh.indices.raw, 0, vk::IndexType::UINT32);
-                raw.cmd_draw_indexed(buffer, mesh.index_count, 1, 0, 0, 0);
+                for (first, count) in parts::seen(&mesh.parts, clip_from_world) {
+                    raw.cmd_draw_indexed(buffer, count, 1, first, 0, 0);
+                }
             }
         });
     }

@@ -71,8 +71,7 @@ impl PlacePass {
     }
 
     pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
-        let eyes = &frame.view.clip_from_world[..frame.view.eye_count.clamp(1, 2) as usize];
-        self.draw(commands, frame.eye_pass, eyes, |way| way.seen);
+        self.draw(commands, frame.eye_pass, frame.eyes(), |way| way.seen);
     }
 
     pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, shadow_from_world: &Mat4) {
@@ -119,7 +118,8 @@ impl Place {
                 let count = model.vertices.len();
                 return Err(Error::Mesh(format!("index {index}, but there are {count} vertices")));
             }
-            let (indices, parts) = parts::split(&model.vertices, indices);
+            let corner = |index: u32| model.vertices[index as usize].position;
+            let (indices, parts) = parts::split(corner, indices);
             let indices = submitter.upload("place indices", bytemuck::cast_slice(&indices))?;
             Ok(Some(Group { indices, parts }))
         };

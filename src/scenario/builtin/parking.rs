@@ -17,6 +17,8 @@ const CAR: Vec3 = Vec3::new(1.8, 1.48, 4.3);
 const BAY: f32 = 3.4;
 /// Depth of an island, m: two bays and 1.7 m between the bumpers.
 const ISLAND: f32 = 10.8;
+/// Height of the pavement before the stores, m.
+const KERB: f32 = 0.12;
 /// Up to this many islands every car is an obstacle of its own, beyond it the island is.
 const SINGLE_CARS: u32 = 160;
 
@@ -142,7 +144,7 @@ fn island(lot: &Lot, center: Vec2, single: bool, id: &mut u32, made: &mut Genera
 fn surroundings(lot: &Lot, props: &mut Vec<Prop>) {
     let size = lot.size();
     let far = -size.y * 0.5;
-    let paved = Vec3::new(size.x + 20.0, 0.01, 4.5);
+    let paved = Vec3::new(size.x + 20.0, KERB, 4.5);
     props.push(Prop::new(PropKind::Pavement, Vec2::new(0.0, far - 2.3), paved));
     let mut x = -size.x * 0.5 - 4.0;
     let mut id = 0_u32;

@@ -41,7 +41,7 @@ pub enum Ground {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PropKind {
-    /// A raised light slab with kerbs, flat.
+    /// A light slab with kerbs, flat. Medium and high quality draw one that is 5 cm or higher as a step.
     Pavement,
     /// Stripes across the width, flat.
     Zebra,
@@ -53,7 +53,7 @@ pub enum PropKind {
     Strip,
     /// A round pad with glowing rings, flat.
     LandingPad,
-    /// A house with window bands and shop fronts.
+    /// A house with shops on its ground floor.
     Building,
     /// A low shop with a glass front and a sign, facing +z.
     Store,

@@ -118,7 +118,7 @@ fn built_in(kind: ExternalKind, radius: f32, number: usize) -> EnvironmentMesh {
         cart(&mut Builder::new(&mut mesh, Vec3::ZERO, 0.0), radius / CART);
     } else {
         let car = Prop::new(PropKind::Car, Vec2::ZERO, VEHICLE * radius);
-        props::draw(&mut mesh, &car, u32::try_from(number).unwrap_or(0), props::Detail::Full);
+        props::draw(&mut mesh, &car, &props::Look::plain(u32::try_from(number).unwrap_or(0)));
         // its wheels have few sides: they touch the ground with the lowest
         let low = mesh.positions.iter().map(|p| p.y).fold(f32::MAX, f32::min);
         mesh.positions.iter_mut().for_each(|p| p.y -= low);

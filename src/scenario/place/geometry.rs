@@ -2,7 +2,7 @@
 
 use super::clearance::Clearance;
 use super::floors::Floors;
-use super::mesh::EnvironmentMesh;
+use super::mesh::{EnvironmentMesh, Finish};
 use super::walkable::Area;
 use super::walls::{self, Wall};
 use crate::avatar::PlaceModel;
@@ -51,7 +51,13 @@ impl Geometry {
     /// The mesh of everything that stands still: ground, props and floors; in a place without props its obstacles as low
     /// walls, if it has any, and a kerb along its bounds.
     pub fn scenery(&self) -> EnvironmentMesh {
-        let mut mesh = self.environment.mesh(&self.bounds, self.focus);
+        self.scenery_of(Finish::Plain)
+    }
+
+    /// The same with as much to show as its pictures have room for.
+    #[doc(hidden)]
+    pub fn scenery_of(&self, finish: Finish) -> EnvironmentMesh {
+        let mut mesh = self.environment.mesh(&self.bounds, self.focus, finish);
         self.floors.draw(&mut mesh);
         if !self.walls.is_empty() {
             walls::draw(&mut mesh, &self.walls, &self.bounds);

@@ -6,7 +6,7 @@ use crate::kernels::shared::detail;
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
-#[allow(clippy::cast_possible_truncation, reason = "sixteen materials")]
+#[allow(clippy::cast_possible_truncation, reason = "seventeen materials")]
 pub enum SurfaceMaterial {
     /// One colour, a little uneven.
     #[default]
@@ -41,4 +41,6 @@ pub enum SurfaceMaterial {
     Water = detail::WATER as u8,
     /// A car's coat.
     Lacquer = detail::LACQUER as u8,
+    /// A single pane, which mirrors the sky.
+    Pane = detail::PANE as u8,
 }

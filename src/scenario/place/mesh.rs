@@ -5,8 +5,25 @@ use crate::avatar::PlaceModel;
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
-/// Most triangles of an environment; what is farthest from the user is simplified, then left out.
-pub const MAX_TRIANGLES: usize = 60_000;
+/// How much scenery has to show.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Finish {
+    /// Blocks: what low quality draws.
+    Plain,
+    /// Reveals, frames, letters, leaves.
+    Fine,
+}
+
+impl Finish {
+    /// Most triangles of an environment; what is farthest from the user is simplified, then left out.
+    pub const fn most_triangles(self) -> usize {
+        match self {
+            Self::Plain => 60_000,
+            Self::Fine => 200_000,
+        }
+    }
+}
 
 /// A coloured triangle mesh, world frame, metres, y up. Triangles wind counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -100,7 +117,7 @@ impl<'a> Builder<'a> {
         self
     }
 
-    fn vertex(&mut self, position: Vec3, normal: Vec3, color: Vec3) -> u32 {
+    pub(super) fn vertex(&mut self, position: Vec3, normal: Vec3, color: Vec3) -> u32 {
         let index = u32::try_from(self.mesh.positions.len()).unwrap_or(u32::MAX);
         self.mesh.positions.push(self.origin + self.turn * position);
         self.mesh.normals.push(self.turn * normal);
@@ -108,6 +125,16 @@ impl<'a> Builder<'a> {
         self.mesh.layers.push(self.layer);
         self.mesh.materials.push(self.material);
         index
+    }
+
+    /// A triangle of vertices that are there, counter-clockwise seen from outside.
+    pub(super) fn indices(&mut self, corners: [u32; 3]) {
+        self.mesh.indices.extend(corners);
+    }
+
+    /// The same object in a frame that is turned within this one.
+    pub(super) fn turned_by(&mut self, turn: Quat) -> Builder<'_> {
+        Builder { mesh: &mut *self.mesh, turn: self.turn * turn, ..*self }
     }
 
     /// Three corners, counter-clockwise seen from outside.
@@ -119,8 +146,13 @@ impl<'a> Builder<'a> {
 
     /// Four corners, counter-clockwise seen from outside; flat.
     pub(crate) fn quad(&mut self, corners: [Vec3; 4], color: Vec3) {
+        self.quad_shaded(corners, [color; 4]);
+    }
+
+    /// The same with a colour for each corner.
+    pub(super) fn quad_shaded(&mut self, corners: [Vec3; 4], colors: [Vec3; 4]) {
         let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or(Vec3::Y);
-        let [a, b, c, d] = corners.map(|corner| self.vertex(corner, normal, color));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| self.vertex(corners[i], normal, colors[i]));
         self.mesh.indices.extend([a, b, c, a, c, d]);
     }
 

@@ -2,12 +2,14 @@
 //! bounds.
 
 use super::material::SurfaceMaterial;
-use super::mesh::{Builder, EnvironmentMesh, MAX_TRIANGLES, srgb};
+use super::mesh::{Builder, EnvironmentMesh, Finish, srgb};
 use crate::scenario::polygon;
 use glam::{Vec2, Vec3};
 
 /// Height of an obstacle that says none, m: one looks over it.
 const HEIGHT: f32 = 1.1;
+/// Most triangles of a place with its walls.
+const MOST: usize = Finish::Plain.most_triangles();
 /// Height and width of the kerb, m.
 const KERB: [f32; 2] = [0.12, 0.2];
 
@@ -20,11 +22,11 @@ pub(crate) struct Wall {
     pub(crate) heights: [Option<f32>; 2],
 }
 
-/// Adds walls to a mesh, and a kerb around `bounds`, as far as [`MAX_TRIANGLES`] allows.
+/// Adds walls to a mesh, and a kerb around `bounds`, as far as its greatest size allows.
 pub(crate) fn draw(mesh: &mut EnvironmentMesh, walls: &[Wall], bounds: &[Vec2]) {
     let (stone, edge) = (srgb(0x00a7_9c8c), srgb(0x008d_8a83));
     for wall in walls {
-        if mesh.triangle_count() + 4 * wall.outline.len() > MAX_TRIANGLES {
+        if mesh.triangle_count() + 4 * wall.outline.len() > MOST {
             return;
         }
         let low = wall.heights[0].unwrap_or(0.0).max(0.0);
@@ -32,7 +34,7 @@ pub(crate) fn draw(mesh: &mut EnvironmentMesh, walls: &[Wall], bounds: &[Vec2]) 
         prism(mesh, &polygon::oriented(wall.outline.clone(), true), [low, high], stone);
     }
     let kerb: Vec<[Vec2; 2]> = polygon::edges(bounds).map(|(a, b)| [a, b]).collect();
-    if mesh.triangle_count() + 12 * kerb.len() > MAX_TRIANGLES {
+    if mesh.triangle_count() + 12 * kerb.len() > MOST {
         return;
     }
     for [a, b] in kerb {
