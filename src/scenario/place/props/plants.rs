@@ -63,7 +63,7 @@ fn leafy_tree(b: &mut Builder<'_>, size: Vec3, look: &Look, leaf: Vec3) {
     let (r, h) = (trunk_radius(size.x), size.y);
     let bark = srgb(0x5d4632);
     b.of(Material::Wood);
-    let trunk = [(r * 1.5, 0.0), (r * 1.05, 0.15), (r * 0.9, h * 0.2), (r * 0.55, h * 0.55)];
+    let trunk = [(r * 1.5, 0.0), (r * 1.05, 0.15_f32.min(h * 0.1)), (r * 0.9, h * 0.2), (r * 0.55, h * 0.55)];
     b.turned(Vec3::ZERO, &trunk, 9, bark);
     if is_conifer(look.id) {
         conifer(b, size, look, leaf);
@@ -203,7 +203,8 @@ pub(super) fn hedge(b: &mut Builder<'_>, base: Vec3, size: Vec3, look: &Look) {
         return;
     }
     let core = v((half.x - HEDGE_DEPTH).max(0.02), 0.0, (half.z - HEDGE_DEPTH).max(0.02));
-    b.frustum_box(base - core, base + core + Vec3::Y * (size.y - HEDGE_DEPTH), 0.99, color * 0.55);
+    let top = (size.y - HEDGE_DEPTH).max(0.5 * size.y);
+    b.frustum_box(base - core, base + core + Vec3::Y * top, 0.99, color * 0.55);
     clipped_leaves(b, base, size, look, color);
 }
 

@@ -118,7 +118,6 @@ fn window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
     let (dark, light) = (srgb(0x4c6674), srgb(0x7f9fae));
     b.of(Material::Pane).rect_shaded(x, [plinth, transom], inner, [light, dark]);
     b.rect_shaded(x, [transom, y[1]], inner, [dark, dark * 0.5]);
-    // wares on a shelf behind the pane
     b.of(Material::Plain);
     let bars = count(x[1] - x[0], 1.7, 8);
     for bar in 0..=bars {
@@ -128,7 +127,7 @@ fn window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
     b.cuboid(v(x[0], transom, inner), v(x[1], transom + 0.08, inner + 0.08), wood);
 }
 
-/// A door set back between reveals, with a pane, a handle and a step.
+/// A door set back between reveals, with a pane and a handle; another pane above it.
 fn entrance(b: &mut Builder<'_>, x: [f32; 2], top: f32, z: f32, wood: Vec3) {
     let inner = z - DOOR_DEPTH;
     let leaf = 2.25_f32.min(top - 0.3);
@@ -173,7 +172,7 @@ fn awning(b: &mut Builder<'_>, x: [f32; 2], y: f32, z: f32, color: Vec3) {
             corners.reverse();
         }
         // a sheet, seen from both sides
-        b.triangle(corners.map(|p| p), color * 0.7);
+        b.triangle(corners, color * 0.7);
         corners.reverse();
         b.triangle(corners, color * 0.45);
     }

@@ -48,8 +48,8 @@ fn visor(b: &mut Builder<'_>, center: Vec3, radius: f32) {
         center + v(radius * libm::cosf(angle), radius * libm::sinf(angle), z)
     };
     for i in 0..6_u8 {
-        b.quad([at(i, 0.0), at(i + 1, 0.0), at(i + 1, OUT), at(i, OUT)].map(|p| p), srgb(0x1c1e20));
-        b.quad([at(i, OUT), at(i + 1, OUT), at(i + 1, 0.0), at(i, 0.0)].map(|p| p), srgb(0x101214));
+        b.quad([at(i, 0.0), at(i + 1, 0.0), at(i + 1, OUT), at(i, OUT)], srgb(0x1c1e20));
+        b.quad([at(i, OUT), at(i + 1, OUT), at(i + 1, 0.0), at(i, 0.0)], srgb(0x101214));
     }
 }
 
@@ -101,8 +101,9 @@ fn jets(b: &mut Builder<'_>, r: f32, tall: f32) {
     const ARCS: u8 = 20;
     const STEPS: u8 = 7;
     let foam = srgb(0xd9edf5);
+    let spout = (tall - 2.3).max(0.1);
     b.of(Material::Water);
-    b.turned(v(0.0, 2.3, 0.0), &[(0.015, 0.0), (0.028, 0.5 * (tall - 2.3)), (0.0, tall - 2.3)], 8, foam);
+    b.turned(v(0.0, 2.3, 0.0), &[(0.015, 0.0), (0.028, 0.5 * spout), (0.0, spout)], 8, foam);
     for i in 0..ARCS {
         let angle = std::f32::consts::TAU * f32::from(i) / f32::from(ARCS);
         let out = v(libm::sinf(angle), 0.0, libm::cosf(angle));

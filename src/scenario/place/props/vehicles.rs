@@ -14,7 +14,8 @@ const WHEEL: f32 = 0.32;
 const ARCH: f32 = 0.045;
 
 pub(super) fn car(b: &mut Builder<'_>, size: Vec3, look: &Look) {
-    if look.is_fine() {
+    // its wheels and lights have sizes of their own
+    if look.is_fine() && size.y > 1.0 && size.z > 2.5 {
         shaped(b, size, look);
     } else {
         blocks(b, size, look);
