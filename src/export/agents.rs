@@ -1,8 +1,10 @@
 //! The agents of a trajectory file: the table `agents`.
 
 use crate::emotion::Emotion;
+use crate::ground::is_absent;
 use crate::scenario::{AgentStart, Crowd, ExternalKind, Scenario};
 use crate::sim::{AvatarSet, setup};
+use glam::Vec2;
 
 /// What an agent of a trajectory file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -127,5 +129,51 @@ impl Presence {
     pub(super) fn times(self, frames: u32, frame_rate: f64) -> (f64, Option<f64>) {
         let time = |frame: u32| f64::from(frame) / frame_rate;
         (time(self.first), (self.last + 1 < frames).then(|| time(self.last + 1)))
+    }
+}
+
+/// Who is there, and has been.
+#[derive(Debug, Default)]
+pub(super) struct Attendance {
+    known: Vec<Option<Presence>>,
+    /// Who was there in the last frame. Only comings and goings are noted, so a frame costs a look at each.
+    there: Vec<bool>,
+}
+
+impl Attendance {
+    /// Notes who comes and goes with a frame.
+    pub(super) fn see(&mut self, frame: u32, positions: &[Vec2]) {
+        let agents = self.there.len().max(positions.len());
+        self.there.resize(agents, false);
+        self.known.resize(agents, None);
+        let (listed, others) = self.there.split_at_mut(positions.len());
+        let (known, known_others) = self.known.split_at_mut(positions.len());
+        for ((was, known), place) in listed.iter_mut().zip(known).zip(positions) {
+            let is = !is_absent(place.to_array());
+            if is != *was {
+                *was = is;
+                note(known, frame, is);
+            }
+        }
+        for (was, known) in others.iter_mut().zip(known_others).filter(|(was, _)| **was) {
+            *was = false;
+            note(known, frame, false);
+        }
+    }
+
+    /// When each was there, if ever, of so many frames.
+    pub(super) fn finish(mut self, frames: u32) -> Vec<Option<Presence>> {
+        let still = self.known.iter_mut().zip(&self.there).filter(|(_, is)| **is);
+        still.for_each(|(known, _)| note(known, frames, false));
+        self.known
+    }
+}
+
+/// Notes that an agent is there from a frame on, or is no more.
+#[cold]
+fn note(known: &mut Option<Presence>, frame: u32, is_there: bool) {
+    let known = known.get_or_insert(Presence { first: frame, last: frame });
+    if !is_there {
+        known.last = frame.saturating_sub(1);
     }
 }

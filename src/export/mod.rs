@@ -36,6 +36,10 @@ pub(crate) mod columns;
 pub mod figure;
 pub mod image;
 #[cfg(feature = "parquet")]
+mod parquet_chunk;
+#[cfg(feature = "parquet")]
+mod parquet_encode;
+#[cfg(feature = "parquet")]
 mod parquet_table;
 mod plane;
 #[cfg_attr(not(feature = "charts"), path = "without_charts.rs")]

@@ -1,8 +1,10 @@
-//! Parquet files of flat tables: columns of numbers and words, each with its encoding, compressed with zstd.
+//! Parquet files of flat tables: columns of numbers and words, each with its encoding, compressed with zstd. The library encodes
+//! small tables; of large ones it takes chunks that are encoded already.
 
 use super::Error;
 use super::atomic::wrong;
 use super::columns::VERSION_KEY;
+use super::parquet_chunk::Chunk;
 use crate::file::Partial;
 use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type};
@@ -10,16 +12,16 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::{ColumnPath, Type};
+use parquet::schema::types::{ColumnDescPtr, ColumnPath, SchemaDescriptor, Type};
 use std::path::Path;
 use std::sync::Arc;
 
 /// Level of zstd: the fastest but for those that leave literals as they are.
-const LEVEL: i32 = 1;
+pub(super) const LEVEL: i32 = 1;
 /// Level for numbers whose low bits are noise: mantissas hardly compress at any, and this one soon gives up.
-const EXACT_LEVEL: i32 = -4;
+pub(super) const EXACT_LEVEL: i32 = -4;
 /// Rows of a page. A byte of so many numbers is a block of zstd, so bytes of different weight have codes of their own.
-const PAGE: usize = 1 << 17;
+pub(super) const PAGE: usize = 1 << 17;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,8 +30,10 @@ pub(super) enum Kind {
     Whole,
     /// `f32`, bytes of equal weight side by side.
     Float,
-    /// The same to the last bit, which is noise.
+    /// The same to the last bit, which is noise. In chunks only.
     Exact,
+    /// `f32` of few values, multiples of a step. In chunks only; fast ones write each value once.
+    Step,
     /// `f64`, the same.
     Double,
     /// Yes or no.
@@ -57,9 +61,23 @@ pub(super) enum Values<'a> {
     Word(&'a [ByteArray]),
 }
 
+impl Values<'_> {
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Values::Whole(values) => values.len(),
+            Values::Float(values) => values.len(),
+            Values::Double(values) => values.len(),
+            Values::Flag(values) => values.len(),
+            Values::Word(values) => values.len(),
+        }
+    }
+}
+
 /// A file of a table being written in a temporary neighbour of its place.
 pub(super) struct Table {
     writer: SerializedFileWriter<Partial>,
+    columns: Vec<ColumnDescPtr>,
 }
 
 impl std::fmt::Debug for Table {
@@ -78,9 +96,12 @@ impl Table {
     pub(super) fn create(path: &Path, columns: &[ColumnOf]) -> Result<Self, Error> {
         let partial = Partial::create(path).map_err(wrong(path))?;
         let make = || -> Result<_, ParquetError> {
-            SerializedFileWriter::new(partial, Arc::new(schema(columns)?), Arc::new(properties(columns)?))
+            let schema = Arc::new(schema(columns)?);
+            let columns_of_it = SchemaDescriptor::new(schema.clone()).columns().to_vec();
+            let writer = SerializedFileWriter::new(partial, schema, Arc::new(properties(columns)?))?;
+            Ok(Self { writer, columns: columns_of_it })
         };
-        Ok(Self { writer: make().map_err(refused(path))? })
+        make().map_err(refused(path))
     }
 
     /// Appends rows: values and levels of every column, in order.
@@ -96,6 +117,15 @@ impl Table {
                 Values::Word(values) => put::<ByteArrayType>(&mut open, values, *levels)?,
             }
             open.close()?;
+        }
+        group.close().map(drop)
+    }
+
+    /// Appends a row group of columns that are encoded already. The chunks are empty afterwards.
+    pub(super) fn append(&mut self, chunks: &mut [Chunk]) -> Result<(), ParquetError> {
+        let mut group = self.writer.next_row_group()?;
+        for (chunk, column) in chunks.iter_mut().zip(&self.columns) {
+            chunk.hand_over(column.clone(), |pages, close| group.append_column(pages, close))?;
         }
         group.close().map(drop)
     }
@@ -123,7 +153,7 @@ fn schema(columns: &[ColumnOf]) -> Result<Type, ParquetError> {
     let field = |column: &ColumnOf| {
         let (physical, logical) = match column.kind {
             Kind::Whole => (Physical::INT32, None),
-            Kind::Float | Kind::Exact => (Physical::FLOAT, None),
+            Kind::Float | Kind::Exact | Kind::Step => (Physical::FLOAT, None),
             Kind::Double => (Physical::DOUBLE, None),
             Kind::Flag => (Physical::BOOLEAN, None),
             Kind::Word => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
@@ -154,10 +184,7 @@ fn properties(columns: &[ColumnOf]) -> Result<WriterProperties, ParquetError> {
                 .set_column_encoding(path.clone(), Encoding::DELTA_BINARY_PACKED)
                 .set_column_statistics_enabled(path, EnabledStatistics::Chunk),
             Kind::Float | Kind::Double => properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
-            Kind::Exact => properties
-                .set_column_encoding(path.clone(), Encoding::BYTE_STREAM_SPLIT)
-                .set_column_compression(path, Compression::ZSTD(ZstdLevel::try_new(EXACT_LEVEL)?)),
-            Kind::Flag => properties,
+            Kind::Flag | Kind::Exact | Kind::Step => properties,
             Kind::Word => properties.set_column_dictionary_enabled(path, true),
         };
     }

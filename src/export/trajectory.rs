@@ -9,7 +9,7 @@
 //! kind in every row, Parquet has a column that is false for them, the text of the archive leaves them out.
 
 use super::Error;
-use super::agents::{AgentInfo, AgentKind, Presence, strongest_emotion};
+use super::agents::{AgentInfo, AgentKind, Attendance, strongest_emotion};
 use super::area::{Area, Ground};
 use super::atomic::AtomicFile;
 pub use super::plane::plane_from_ground;
@@ -135,7 +135,7 @@ pub struct TrajectoryWriter {
     frames: u32,
     rate: f64,
     agents: Vec<AgentInfo>,
-    presence: Vec<Option<Presence>>,
+    attendance: Attendance,
 }
 
 impl TrajectoryWriter {
@@ -194,14 +194,14 @@ impl TrajectoryWriter {
             }
         };
         let path = path.to_owned();
-        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
+        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, attendance: Attendance::default() })
     }
 
     /// Begins a table of agents as Parquet, without their trajectories: frames tell when they enter and leave.
     pub(crate) fn of_agents(path: &Path, frame_rate: f64, agents: Vec<AgentInfo>) -> Result<Self, Error> {
         Partial::create(path).map_err(super::atomic::wrong(path))?;
         let (path, sink) = (path.to_owned(), Sink::Agents);
-        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
+        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, attendance: Attendance::default() })
     }
 
     /// Frames written so far.
@@ -218,13 +218,8 @@ impl TrajectoryWriter {
     pub fn frame(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
         self.check(frame)?;
         let number = self.frames;
-        self.presence.resize(self.presence.len().max(frame.positions.len()), None);
+        self.attendance.see(number, frame.positions);
         let there = || samples(frame);
-        for sample in there() {
-            let known =
-                self.presence[sample.id as usize].get_or_insert(Presence { first: number, last: number });
-            known.last = number;
-        }
         let agents = &self.agents;
         let kind =
             |sample: &Sample| agents.get(sample.id as usize).map_or(AgentKind::Person, |agent| agent.kind);
@@ -266,6 +261,14 @@ impl TrajectoryWriter {
         if number >= MAX_FRAMES || u32::try_from(p).is_err() {
             return Err(unusable(format!("more than {MAX_FRAMES} frames or agents; split the run")));
         }
+        // in three sweeps, which the compiler turns into vectors; only who fails is looked for one by one
+        let finite = |values: &[f32]| values.iter().fold(true, |all, value| all & value.is_finite());
+        if finite(bytemuck::cast_slice(positions))
+            && finite(headings)
+            && finite(bytemuck::cast_slice(velocities))
+        {
+            return Ok(());
+        }
         let is_whole = |s: &Sample| {
             s.position.is_finite() && s.heading.is_finite() && s.velocity.is_none_or(Vec2::is_finite)
         };
@@ -283,11 +286,9 @@ impl TrajectoryWriter {
     /// # Errors
     /// [`Error::Write`], [`Error::Sqlite`] or [`Error::Parquet`]; the name is then as it was before.
     pub fn finish(self) -> Result<Ground, Error> {
-        let known = self.presence.len().max(self.agents.len());
-        let agents = (0..known).map(|id| {
-            let presence = self.presence.get(id).copied().flatten();
-            (self.agents.get(id), presence)
-        });
+        let presence = self.attendance.finish(self.frames);
+        let known = presence.len().max(self.agents.len());
+        let agents = (0..known).map(|id| (self.agents.get(id), presence.get(id).copied().flatten()));
         match self.sink {
             Sink::Sqlite(database) => database.finish(agents, self.frames, self.rate),
             Sink::Parquet(file) => file.finish(agents, self.frames, self.rate),

@@ -27,7 +27,7 @@ const QUEUE: usize = 1 << 22;
 const GROUP: usize = 1 << 18;
 /// Frames of a row group, at least, unless it has [`MOST`] rows.
 const FRAMES: usize = 8;
-/// Rows of a row group from which on it is written whatever its frames: they take some 250 MB.
+/// Rows of a row group from which on it is written whatever its frames: as columns they take some 40 MB.
 const MOST: usize = 1 << 22;
 
 /// Copies a frame into memory that is there already.
@@ -81,7 +81,7 @@ impl Parquet {
             written,
             frames: Vec::new(),
             count: 0,
-            rows: Rows::default(),
+            rows: Rows::new().map_err(refused(path))?,
             are_people: agents.iter().map(|agent| agent.kind == AgentKind::Person).collect(),
             area,
         };
@@ -161,7 +161,6 @@ struct Writer {
     /// Frames of the next row group, and its rows.
     frames: Vec<Copied>,
     count: usize,
-    /// Its columns while it is written.
     rows: Rows,
     are_people: Vec<bool>,
     area: Option<Area>,
@@ -211,16 +210,15 @@ impl Writer {
         }
     }
 
-    /// Turns the frames into rows, and writes these as a group.
+    /// Writes the frames as a row group.
     fn flush(&mut self) -> Result<(), ParquetError> {
-        let mut rows = std::mem::take(&mut self.rows);
-        rows.fill(&self.frames, |agent| self.is_person(agent));
+        let are_people = &self.are_people;
+        let is_person = |agent: usize| are_people.get(agent).copied().unwrap_or(true);
+        self.rows.write(&mut self.table, &self.frames, self.count, is_person)?;
         for frame in self.frames.drain(..) {
             let _ = self.written.send(frame); // not taken once the simulation has ended
         }
         self.count = 0;
-        rows.write(&mut self.table)?;
-        self.rows = rows;
         Ok(())
     }
 }

@@ -1,16 +1,17 @@
-//! Rows of a Parquet file of trajectories: frames, which hold a list for each fact, become columns by agent, then by frame.
+//! Rows of a Parquet file of trajectories: frames, which hold a list for each fact, become pages of columns by agent, then by frame.
 
 use super::columns::{EMOTIONS, FRAME, HEADING, ID, IS_PERSON, VX, VY, X, Y};
-use super::parquet_table::{ColumnOf, Kind, Table, Values};
+use super::parquet_chunk::{Chunk, STEPS, WHOLE};
+use super::parquet_table::{ColumnOf, Kind, PAGE, Table, Values};
 use crate::ground::is_absent;
 use glam::Vec2;
 use parquet::errors::ParquetError;
 use std::ops::Range;
 
-/// Agents whose rows are made at once: what they need stays in the cache.
-const BLOCK: usize = 1024;
-/// Headings, velocities and weights of emotions are multiples of its inverse.
-const STEPS: f32 = 1024.0;
+/// Rows of a row group from which on it is written fast: only large crowds fill so many in eight frames.
+const FAST: usize = 1 << 19;
+/// Rows that are made at once, about: what they need stays in the cache.
+const BLOCK: usize = 4096;
 
 const fn column(name: &'static str, kind: Kind, is_optional: bool) -> ColumnOf {
     ColumnOf { name, kind, is_optional }
@@ -21,14 +22,14 @@ pub(super) const COLUMNS: [ColumnOf; 12] = [
     column(ID, Kind::Whole, false),
     column(X, Kind::Exact, false),
     column(Y, Kind::Exact, false),
-    column(HEADING, Kind::Float, false),
-    column(VX, Kind::Float, true),
-    column(VY, Kind::Float, true),
+    column(HEADING, Kind::Step, false),
+    column(VX, Kind::Step, true),
+    column(VY, Kind::Step, true),
     column(IS_PERSON, Kind::Flag, false),
-    column(EMOTIONS[0], Kind::Float, true),
-    column(EMOTIONS[1], Kind::Float, true),
-    column(EMOTIONS[2], Kind::Float, true),
-    column(EMOTIONS[3], Kind::Float, true),
+    column(EMOTIONS[0], Kind::Step, true),
+    column(EMOTIONS[1], Kind::Step, true),
+    column(EMOTIONS[2], Kind::Step, true),
+    column(EMOTIONS[3], Kind::Step, true),
 ];
 
 /// A frame on its way to the thread, and its memory on the way back.
@@ -41,8 +42,8 @@ pub(super) struct Copied {
     pub(super) emotions: Vec<[f32; 4]>,
 }
 
-/// Rows that are collected for the next row group.
-#[derive(Debug, Default)]
+/// Rows of the next page, and the columns of the row group so far.
+#[derive(Debug)]
 pub(super) struct Rows {
     frame: Vec<i32>,
     id: Vec<i32>,
@@ -50,22 +51,53 @@ pub(super) struct Rows {
     y: Vec<f32>,
     heading: Vec<f32>,
     velocity: [Vec<f32>; 2],
-    has_velocity: Vec<i16>,
+    has_velocity: Vec<bool>,
     is_person: Vec<bool>,
     emotion: [Vec<f32>; 4],
-    has_emotion: Vec<i16>,
+    has_emotion: Vec<bool>,
+    chunks: Vec<Chunk>,
 }
 
 impl Rows {
-    /// The rows of some frames, by agent, then by frame: those of agents that are there.
-    pub(super) fn fill(&mut self, frames: &[Copied], is_person: impl Fn(usize) -> bool) {
-        self.clear();
+    pub(super) fn new() -> Result<Self, ParquetError> {
+        Ok(Self {
+            frame: Vec::new(),
+            id: Vec::new(),
+            x: Vec::new(),
+            y: Vec::new(),
+            heading: Vec::new(),
+            velocity: Default::default(),
+            has_velocity: Vec::new(),
+            is_person: Vec::new(),
+            emotion: Default::default(),
+            has_emotion: Vec::new(),
+            chunks: COLUMNS.iter().map(|column| Chunk::new(column.kind)).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Writes a row group of some frames, by agent, then by frame: agents that are there. `count` is how many rows these are.
+    pub(super) fn write(
+        &mut self,
+        table: &mut Table,
+        frames: &[Copied],
+        count: usize,
+        is_person: impl Fn(usize) -> bool,
+    ) -> Result<(), ParquetError> {
+        self.chunks.iter_mut().for_each(|chunk| chunk.begin(count >= FAST));
         let agents = frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0);
-        for first in (0..agents).step_by(BLOCK) {
-            let block = Block { frames, agents: first..agents.min(first + BLOCK) };
+        let at_once = (BLOCK / frames.len().max(1)).max(1);
+        for first in (0..agents).step_by(at_once) {
+            let block = Block { frames, agents: first..agents.min(first + at_once) };
             let people: Vec<bool> = block.agents.clone().map(&is_person).collect();
             self.append(&block, &people);
+            if self.id.len() >= PAGE {
+                self.page()?;
+            }
         }
+        if !self.id.is_empty() {
+            self.page()?;
+        }
+        table.append(&mut self.chunks)
     }
 
     fn append(&mut self, block: &Block<'_>, people: &[bool]) {
@@ -91,11 +123,12 @@ impl Rows {
         there.levels(&mut self.has_emotion, &feels);
     }
 
-    pub(super) fn write(&self, table: &mut Table) -> Result<(), ParquetError> {
+    /// Ends a page of every column.
+    fn page(&mut self) -> Result<(), ParquetError> {
         let [vx, vy] = &self.velocity;
         let [happy, angry, sad, neutral] = &self.emotion;
         let (moves, feels) = (Some(self.has_velocity.as_slice()), Some(self.has_emotion.as_slice()));
-        table.write(&[
+        let columns = [
             (Values::Whole(&self.frame), None),
             (Values::Whole(&self.id), None),
             (Values::Float(&self.x), None),
@@ -108,7 +141,12 @@ impl Rows {
             (Values::Float(angry), feels),
             (Values::Float(sad), feels),
             (Values::Float(neutral), feels),
-        ])
+        ];
+        for (chunk, (values, has_value)) in self.chunks.iter_mut().zip(columns) {
+            chunk.page(&values, has_value)?;
+        }
+        self.clear();
+        Ok(())
     }
 
     /// Empties the columns and keeps their memory.
@@ -132,40 +170,65 @@ struct Block<'a> {
 }
 
 /// Which rows of a block have a value.
-struct Mask {
-    rows: Vec<bool>,
-    are_all: bool,
-    are_none: bool,
+#[derive(Clone)]
+enum Mask {
+    All(usize),
+    None(usize),
+    Some(Vec<bool>),
 }
 
 impl Mask {
     fn new(rows: Vec<bool>) -> Self {
-        let set = rows.iter().filter(|row| **row).count();
-        Self { are_all: set == rows.len(), are_none: set == 0, rows }
+        match rows.iter().filter(|row| **row).count() {
+            0 => Self::None(rows.len()),
+            set if set == rows.len() => Self::All(set),
+            _ => Self::Some(rows),
+        }
+    }
+
+    /// Rows of the block.
+    fn len(&self) -> usize {
+        match self {
+            Self::All(rows) | Self::None(rows) => *rows,
+            Self::Some(rows) => rows.len(),
+        }
     }
 
     fn and(&self, other: &Self) -> Self {
-        Self::new(self.rows.iter().zip(&other.rows).map(|(one, other)| *one && *other).collect())
+        match (self, other) {
+            (Self::All(_), other) | (other, Self::All(_)) => other.clone(),
+            (Self::None(rows), _) | (_, Self::None(rows)) => Self::None(*rows),
+            (Self::Some(own), Self::Some(others)) => {
+                Self::new(own.iter().zip(others).map(|(one, other)| *one && *other).collect())
+            }
+        }
     }
 
-    /// Levels of an optional column for the rows of this mask: 1 where the column has a value.
-    fn levels(&self, levels: &mut Vec<i16>, of: &Self) {
+    /// Which of the rows of this mask have a value of an optional column.
+    fn levels(&self, levels: &mut Vec<bool>, of: &Self) {
         let start = levels.len();
-        levels.extend(of.rows.iter().map(|has_value| i16::from(*has_value)));
+        match of {
+            Self::All(rows) => levels.resize(start + rows, true),
+            Self::None(rows) => levels.resize(start + rows, false),
+            Self::Some(rows) => levels.extend_from_slice(rows),
+        }
         self.keep(levels, start);
     }
 
     /// Takes out of a column, from a place on, what is not in the mask.
     fn keep<T: Copy>(&self, column: &mut Vec<T>, start: usize) {
-        if self.are_all {
-            return;
+        match self {
+            Self::All(_) => {}
+            Self::None(_) => column.truncate(start),
+            Self::Some(rows) => {
+                let mut end = start;
+                for (from, _) in (start..).zip(rows).filter(|(_, is_kept)| **is_kept) {
+                    column[end] = column[from];
+                    end += 1;
+                }
+                column.truncate(end);
+            }
         }
-        let mut end = start;
-        for (from, _) in (start..).zip(&self.rows).filter(|(_, is_kept)| **is_kept) {
-            column[end] = column[from];
-            end += 1;
-        }
-        column.truncate(end);
     }
 }
 
@@ -175,12 +238,25 @@ impl<'a> Block<'a> {
         &list[self.agents.start.min(list.len())..self.agents.end.min(list.len())]
     }
 
+    fn rows(&self) -> usize {
+        self.agents.len() * self.frames.len()
+    }
+
     /// The rows that are in the frames' lists and pass a test, which is given the number in the block.
     fn mask<S: 'a>(&self, list: impl Fn(&'a Copied) -> &'a [S], test: impl Fn(usize, &S) -> bool) -> Mask {
-        let mut rows = vec![false; self.agents.len() * self.frames.len()];
-        for (number, frame) in self.frames.iter().enumerate() {
-            let own = self.of(list(frame)).iter().enumerate();
-            for (rows, (agent, one)) in rows.chunks_exact_mut(self.frames.len()).zip(own) {
+        let lists = || self.frames.iter().map(|frame| self.of(list(frame)));
+        let listed: usize = lists().map(<[S]>::len).sum();
+        if listed == 0 {
+            return Mask::None(self.rows());
+        }
+        // most often all are there: seen without making a list of it
+        let passed = |own: &[S]| own.iter().enumerate().filter(|(agent, one)| test(*agent, one)).count();
+        if listed == self.rows() && lists().map(passed).sum::<usize>() == listed {
+            return Mask::All(listed);
+        }
+        let mut rows = vec![false; self.rows()];
+        for (number, own) in lists().enumerate() {
+            for (rows, (agent, one)) in rows.chunks_exact_mut(self.frames.len()).zip(own.iter().enumerate()) {
                 rows[number] = test(agent, one);
             }
         }
@@ -189,11 +265,7 @@ impl<'a> Block<'a> {
 
     /// Appends the rows of a mask to a column; `set` sets those of an agent, by its number in the block.
     fn put<T: Copy + Default>(&self, column: &mut Vec<T>, mask: &Mask, set: impl Fn(usize, &mut [T])) {
-        if mask.are_none {
-            return;
-        }
-        let start = column.len();
-        column.resize(start + mask.rows.len(), T::default());
+        let Some(start) = grow(column, mask) else { return };
         for (agent, rows) in column[start..].chunks_exact_mut(self.frames.len()).enumerate() {
             set(agent, rows);
         }
@@ -208,11 +280,7 @@ impl<'a> Block<'a> {
         list: impl Fn(&'a Copied) -> &'a [S],
         value: impl Fn(&S) -> T,
     ) {
-        if mask.are_none {
-            return;
-        }
-        let start = column.len();
-        column.resize(start + mask.rows.len(), T::default());
+        let Some(start) = grow(column, mask) else { return };
         for (number, frame) in self.frames.iter().enumerate() {
             let own = self.of(list(frame));
             for (rows, one) in column[start..].chunks_exact_mut(self.frames.len()).zip(own) {
@@ -223,18 +291,125 @@ impl<'a> Block<'a> {
     }
 }
 
+/// Makes room for the rows of a block, if any has a value, and tells where they begin.
+fn grow<T: Copy + Default>(column: &mut Vec<T>, mask: &Mask) -> Option<usize> {
+    let start = column.len();
+    column.resize(start + if let Mask::None(_) = mask { 0 } else { mask.len() }, T::default());
+    (!matches!(mask, Mask::None(_))).then_some(start)
+}
+
 /// The nearest multiple of 1 / [`STEPS`]; halves go to the even one.
 fn round(value: f32) -> f32 {
     // A sum of this size has no fraction, so adding rounds, in an instruction. The function of the library is a call.
-    const WHOLE: f32 = 12_582_912.0; // 1.5 * 2^23
     let steps = value * STEPS;
-    let whole = if steps.abs() < 0.25 * WHOLE { steps + WHOLE - WHOLE } else { steps.round_ties_even() };
+    let whole = if steps.abs() < 0.25 * WHOLE { steps + WHOLE - WHOLE } else { round_large(steps) };
     whole / STEPS
+}
+
+/// Apart, so that its call is made for large numbers alone.
+#[cold]
+fn round_large(steps: f32) -> f32 {
+    steps.round_ties_even()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::parquet_table::refused;
     use super::*;
+    use crate::ground::ABSENT;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+    use std::path::Path;
+
+    /// Frames of agents that come and go, stand, walk, or fly, with and without velocities and feelings.
+    fn frames(agents: u16, count: u32) -> Vec<Copied> {
+        let frame = |number: u32| {
+            let time = number as f32 * 0.1;
+            let is_there = |agent: u16| agent % 7 != 3 || (u32::from(agent) % 50..60).contains(&number);
+            let speed = |agent: u16| match agent % 5 {
+                0 => 0.0,
+                1 if agent % 11 == 1 => 31.9 + f32::from(agent % 9), // beyond the words of the dictionary
+                own => 0.3 * f32::from(own) + 0.01 * (time * f32::from(agent)).sin(),
+            };
+            let place = |agent: u16| match is_there(agent) {
+                true => Vec2::new(f32::from(agent) * 0.37 + speed(agent) * time, -0.11 * time - 3.0),
+                false => Vec2::splat(ABSENT),
+            };
+            let all = || 0..agents;
+            let (moves, feels) = (number % 40 != 17, number >= count / 3);
+            Copied {
+                number,
+                positions: all().map(place).collect(),
+                headings: all().map(|agent| f32::from(agent).sin() * 3.1).collect(),
+                velocities: all()
+                    .filter(|_| moves)
+                    .map(|agent| Vec2::new(speed(agent), -0.5 * speed(agent)))
+                    .collect(),
+                emotions: all()
+                    .filter(|_| feels)
+                    .map(|agent| [0.5, 0.25, time.fract(), f32::from(agent % 3)])
+                    .collect(),
+            }
+        };
+        (0..count).map(frame).collect()
+    }
+
+    /// Row after row: whole numbers and bits of numbers; none where a value is missing.
+    type Cells = Vec<Option<u32>>;
+
+    fn read(path: &Path) -> Vec<Cells> {
+        let file = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+        assert!(file.num_row_groups() > 1);
+        let cell = |field: &Field| match field {
+            Field::Null => None,
+            Field::Bool(value) => Some(u32::from(*value)),
+            Field::Int(value) => Some(value.cast_unsigned()),
+            Field::Float(value) => Some(value.to_bits()),
+            other => panic!("{other}"),
+        };
+        let rows = file.get_row_iter(None).unwrap().map(Result::unwrap);
+        rows.map(|row| row.get_column_iter().map(|(_, field)| cell(field)).collect()).collect()
+    }
+
+    #[test]
+    fn what_the_library_reads_is_every_row_by_agent_then_by_frame() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.parquet");
+        let is_person = |agent: usize| !agent.is_multiple_of(13);
+        let groups = [(frames(1500, 100), FAST), (frames(40, 90), 0), (frames(700, 9), FAST)];
+        let mut table = Table::create(&path, &COLUMNS).unwrap();
+        let mut rows = Rows::new().unwrap();
+        let mut expected: Vec<Cells> = Vec::new();
+        for (group, count) in &groups {
+            rows.write(&mut table, group, *count, is_person).unwrap();
+            for agent in 0..group[0].positions.len() {
+                for frame in group.iter().filter(|frame| !is_absent(frame.positions[agent].to_array())) {
+                    let bits = |value: f32| Some(value.to_bits());
+                    let velocity = frame.velocities.get(agent);
+                    let emotion = frame.emotions.get(agent).filter(|_| is_person(agent));
+                    let place = frame.positions[agent];
+                    let mut cells = vec![
+                        Some(frame.number),
+                        u32::try_from(agent + 1).ok(),
+                        bits(place.x),
+                        bits(-place.y),
+                        bits(round(frame.headings[agent])),
+                        velocity.and_then(|velocity| bits(round(velocity.x))),
+                        velocity.and_then(|velocity| bits(round(0.0 - velocity.y))),
+                        Some(u32::from(is_person(agent))),
+                    ];
+                    cells.extend((0..4).map(|of| emotion.and_then(|emotion| bits(round(emotion[of])))));
+                    expected.push(cells);
+                }
+            }
+        }
+        table.complete().map_err(refused(&path)).unwrap().finish().unwrap();
+        let found = read(&path);
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert_eq!(found, expected);
+        }
+    }
 
     #[test]
     fn numbers_are_rounded_to_the_nearest_of_a_thousand_and_twenty_four_parts() {

@@ -53,6 +53,40 @@ for name, read in [("polars", with_polars), ("pandas", with_pandas), ("duckdb", 
     found[name] = read()
 sums = list(found.values())
 assert all(abs(a - b) < 1e-6 for one in sums for a, b in zip(one, sums[0])), found
+
+
+def mixed():
+    """What mixed.parquet holds, row after row: as the test wrote it."""
+    for agent in range(80_000):
+        heading = agent % 48 * 0.125 - 3.0
+        own = agent % 5
+        is_fast = own == 1 and agent > 60_000
+        speeds = [40.0 + agent % 3 if is_fast else own * 0.25 + part * 0.125 if own else 0.0 for part in range(4)]
+        feelings = (0.5, 0.25, float(agent % 2), 0.0)
+        for frame in range(agent % 10 if agent % 7 == 3 else 0, 10):
+            felt = feelings if frame >= 5 else (None,) * 4
+            x, y = agent % 50_000 * 0.25, frame * 0.125
+            yield (frame, agent + 1, x, y, heading, speeds[frame % 4], -0.5, True, *felt)
+
+
+wanted = sorted(mixed(), key=lambda row: row[:2])
+path = str(folder / "mixed.parquet")
+rows = {}
+if "polars" in found:
+    import polars
+
+    rows["polars"] = polars.read_parquet(path).rows()
+if "pandas" in found:
+    import pyarrow.parquet
+
+    columns = pyarrow.parquet.read_table(path).to_pydict()
+    rows["pyarrow"] = list(zip(*columns.values()))
+if "duckdb" in found:
+    import duckdb
+
+    rows["duckdb"] = duckdb.sql(f"SELECT * FROM read_parquet('{path}')").fetchall()
+for name, read in rows.items():
+    assert sorted(read, key=lambda row: row[:2]) == wanted, name
 if "pandas" in found:
     import pandas
     import pedpy

@@ -110,6 +110,40 @@ fn a_file_that_was_taken_away_while_it_was_written_is_an_error_and_leaves_nothin
     assert!(!path.exists(), "whole or not at all");
 }
 
+/// Writes 80,000 agents of ten frames, so many that they are written fast, and the last two frames small. Some come later, some
+/// stand, some are faster than the dictionary of speeds has words for. Python expects the same of every row.
+fn write_mixed(path: &Path) {
+    let mut writer =
+        TrajectoryWriter::create(path, TrajectoryFormat::Parquet, 10.0, &Walkable::default(), Vec::new())
+            .unwrap();
+    for frame in 0..10_u16 {
+        let agents = || 0..80_000_u32;
+        let number = |of: u32| f32::from(u16::try_from(of).unwrap());
+        let place = |agent: u32| match agent % 7 == 3 && u32::from(frame) < agent % 10 {
+            true => Vec2::splat(gaitway::ground::ABSENT),
+            false => Vec2::new(number(agent % 50_000) * 0.25, f32::from(frame) * -0.125),
+        };
+        let speed = |agent: u32| match agent % 5 {
+            0 => 0.0,
+            1 if agent > 60_000 => 40.0 + number(agent % 3),
+            own => number(own) * 0.25 + f32::from(frame % 4) * 0.125,
+        };
+        let positions: Vec<Vec2> = agents().map(place).collect();
+        let headings: Vec<f32> = agents().map(|agent| number(agent % 48) * 0.125 - 3.0).collect();
+        let velocities: Vec<Vec2> = agents().map(|agent| Vec2::new(speed(agent), 0.5)).collect();
+        let emotions: Vec<[f32; 4]> =
+            agents().filter(|_| frame >= 5).map(|agent| [0.5, 0.25, number(agent % 2), 0.0]).collect();
+        let frame = Frame {
+            positions: &positions,
+            headings: &headings,
+            velocities: &velocities,
+            emotions: &emotions,
+        };
+        writer.frame(&frame).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
 #[test]
 fn others_read_a_folder_of_runs_as_one_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -118,6 +152,7 @@ fn others_read_a_folder_of_runs_as_one_table() {
         std::fs::create_dir(&path).unwrap();
         write(&path.join("trajectories.parquet"), "garden", 12, 20);
     }
+    write_mixed(&folder.path().join("mixed.parquet"));
     let Some(mut python) = crate::common::pedpy("tables.py") else { return };
     let output = python.arg(folder.path()).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
