@@ -27,13 +27,13 @@ const NEW: u16 = u16::MAX;
 #[derive(Debug)]
 struct Dictionary {
     /// Number of the word of a step, by the lower bits of the step.
-    numbers: Box<[u16; 1 << 16]>,
+    numbers: Vec<u16>,
     words: Vec<f32>,
 }
 
 impl Dictionary {
     fn new() -> Self {
-        Self { numbers: Box::new([NEW; 1 << 16]), words: Vec::new() }
+        Self { numbers: vec![NEW; 1 << 16], words: Vec::new() }
     }
 
     /// The words' numbers of values that are steps; whether there are words for all.
@@ -45,7 +45,8 @@ impl Dictionary {
         }
         found.resize(values.len(), NEW);
         for (value, found) in values.iter().zip(found) {
-            let step = (*value * STEPS + WHOLE).to_bits() as u16;
+            let [low, high, ..] = (*value * STEPS + WHOLE).to_bits().to_le_bytes();
+            let step = u16::from_le_bytes([low, high]);
             *found = self.numbers[usize::from(step)];
             if *found == NEW {
                 *found = self.add(step, *value);
@@ -56,7 +57,7 @@ impl Dictionary {
 
     #[cold]
     fn add(&mut self, step: u16, value: f32) -> u16 {
-        let number = self.words.len() as u16; // there are fewer words than steps
+        let number = u16::try_from(self.words.len()).unwrap_or(NEW); // there are fewer words than steps
         self.numbers[usize::from(step)] = number;
         self.words.push(value);
         number

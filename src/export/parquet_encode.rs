@@ -39,12 +39,17 @@ impl<'a> Bits<'a> {
     }
 }
 
+/// The lowest byte.
+fn lowest(number: u64) -> u8 {
+    number.to_le_bytes()[0]
+}
+
 fn varint(out: &mut Vec<u8>, mut number: u64) {
     while number >= 0x80 {
-        out.push((number & 0x7f) as u8 | 0x80);
+        out.push(lowest(number) | 0x80);
         number >>= 7;
     }
-    out.push(number as u8);
+    out.push(lowest(number));
 }
 
 fn zigzag(out: &mut Vec<u8>, number: i32) {
@@ -86,7 +91,7 @@ pub(super) fn split(out: &mut Vec<u8>, values: &[f32]) {
     out.resize(start + size_of_val(values), 0);
     for (stream, shift) in out[start..].chunks_exact_mut(values.len()).zip([0_u32, 8, 16, 24]) {
         for (byte, value) in stream.iter_mut().zip(values) {
-            *byte = (value.to_bits() >> shift) as u8;
+            *byte = (value.to_bits() >> shift).to_le_bytes()[0];
         }
     }
 }
@@ -117,7 +122,7 @@ pub(super) fn delta(out: &mut Vec<u8>, values: &[i32]) {
                 break;
             }
             let width = u32::BITS - miniblock.iter().fold(0, |all, one| all | above(*one)).leading_zeros();
-            out[widths + number] = width as u8;
+            out[widths + number] = lowest(width.into());
             if width > 0 {
                 let mut bits = Bits::new(out);
                 for one in miniblock {
@@ -133,7 +138,7 @@ pub(super) fn delta(out: &mut Vec<u8>, values: &[i32]) {
 /// Numbers of words in a dictionary of so many (`RLE_DICTIONARY`): words that repeat as runs, others packed.
 pub(super) fn words(out: &mut Vec<u8>, words: &[u16], of: usize) {
     let width = (usize::BITS - of.saturating_sub(1).leading_zeros()).max(1);
-    out.push(width as u8);
+    out.push(lowest(width.into()));
     let mut rest = words;
     while let Some(first) = rest.first() {
         let alike = rest.iter().take_while(|word| *word == first).count();
