@@ -140,8 +140,8 @@ impl Chunk {
         })
     }
 
-    /// Begins a row group that is written fast or, where few rows are, as small as it gets. Fast, steps are numbers of words in a
-    /// dictionary, which need no compression: a quarter of the time, and half a byte to a byte more.
+    /// Begins a row group that is written fast or, where there are few rows, as small as it gets. Fast, steps are numbers of words in
+    /// a dictionary, which need no compression: a fifth of the time, and a third of a byte more a value.
     pub(super) fn begin(&mut self, is_fast: bool) {
         self.is_fast = is_fast && self.kind == Kind::Step;
         if self.is_fast {
