@@ -107,37 +107,43 @@ pub(super) fn delta(out: &mut Vec<u8>, values: &[i32]) {
     while start + 1 < values.len() {
         let block = &values[start..values.len().min(start + BLOCK + 1)];
         let count = block.len() - 1;
-        for (delta, pair) in deltas.iter_mut().zip(block.windows(2)) {
-            *delta = pair[1].wrapping_sub(pair[0]);
+        for ((delta, from), to) in deltas.iter_mut().zip(block).zip(&block[1..]) {
+            *delta = to.wrapping_sub(*from);
         }
         let least = deltas[..count].iter().copied().min().unwrap_or(0);
         zigzag(out, least);
         // what fills the last miniblock is zero, as packed
         deltas[count..].fill(least);
-        let above = |delta: i32| delta.wrapping_sub(least).cast_unsigned();
+        let above = deltas.map(|delta| delta.wrapping_sub(least).cast_unsigned());
         let widths = out.len();
         out.extend_from_slice(&[0; BLOCK / MINIBLOCK]);
-        for (number, miniblock) in deltas.chunks_exact(MINIBLOCK).enumerate() {
-            if number * MINIBLOCK >= count {
-                break;
-            }
-            let width = u32::BITS - miniblock.iter().fold(0, |all, one| all | above(*one)).leading_zeros();
+        let (miniblocks, _) = above.as_chunks::<MINIBLOCK>();
+        for (number, miniblock) in miniblocks.iter().enumerate().take(count.div_ceil(MINIBLOCK)) {
+            let width = u32::BITS - miniblock.iter().fold(0, |all, one| all | one).leading_zeros();
             out[widths + number] = lowest(width.into());
-            if width > 0 {
-                let mut bits = Bits::new(out);
-                for one in miniblock {
-                    bits.push(above(*one), width);
+            match width {
+                0 => {}
+                1..=16 => pack(out, &miniblock.map(low_half), width),
+                _ => {
+                    let mut bits = Bits::new(out);
+                    miniblock.iter().for_each(|one| bits.push(*one, width));
+                    bits.finish();
                 }
-                bits.finish();
             }
         }
         start += count;
     }
 }
 
+/// The lower 16 bits.
+fn low_half(number: u32) -> u16 {
+    let [low, high, ..] = number.to_le_bytes();
+    u16::from_le_bytes([low, high])
+}
+
 /// Numbers of words in a dictionary of so many (`RLE_DICTIONARY`): words that repeat as runs, others packed.
-pub(super) fn words(out: &mut Vec<u8>, words: &[u16], of: usize) {
-    let width = (usize::BITS - of.saturating_sub(1).leading_zeros()).max(1);
+pub(super) fn words(out: &mut Vec<u8>, words: &[u16], of: u16) {
+    let width = (u16::BITS - of.saturating_sub(1).leading_zeros()).max(1);
     out.push(lowest(width.into()));
     let mut rest = words;
     while let Some(first) = rest.first() {
@@ -148,24 +154,40 @@ pub(super) fn words(out: &mut Vec<u8>, words: &[u16], of: usize) {
             rest = &rest[alike..];
             continue;
         }
-        let is_run = |group: &[u16]| group.len() == GROUP && group.iter().all(|word| *word == group[0]);
-        let groups = rest.chunks(GROUP).take_while(|group| !is_run(group)).count();
-        let (packed, after) = rest.split_at(rest.len().min(groups * GROUP));
-        varint(out, (groups as u64) << 1 | 1);
-        for group in packed.chunks(GROUP) {
-            pack(out, group, width);
-        }
+        let is_run = |group: &[u16; GROUP]| group.iter().fold(true, |all, word| all & (*word == group[0]));
+        let (groups, _) = rest.as_chunks::<GROUP>();
+        let packed = groups.iter().position(is_run).map_or(rest.len(), |groups| groups * GROUP);
+        let (packed, after) = rest.split_at(packed);
+        varint(out, (packed.len().div_ceil(GROUP) as u64) << 1 | 1);
+        pack(out, packed, width);
         rest = after;
     }
 }
 
-/// Eight words of 16 bits at most, of which each takes `width` bits: so many bytes. What is missing of eight is zero.
+/// Words of 16 bits at most, of which each takes `width` bits: eight are so many bytes. What is missing of eight is zero.
 fn pack(out: &mut Vec<u8>, words: &[u16], width: u32) {
-    let half = |words: &[u16]| words.iter().rev().fold(0, |bits, word| bits << width | u64::from(*word));
-    let (low, high) = words.split_at(words.len().min(GROUP / 2));
-    let bits = u128::from(half(low)) | u128::from(half(high)) << (4 * width);
-    let end = out.len() + width as usize;
-    out.extend_from_slice(&bits.to_le_bytes());
+    const ROOM: usize = size_of::<u128>();
+    let size = width as usize;
+    let (groups, rest) = words.as_chunks::<GROUP>();
+    let mut end = out.len();
+    // room for whole numbers of 128 bits, of which the next group overwrites what it does not need
+    out.resize(end + words.len().div_ceil(GROUP) * size + ROOM, 0);
+    let mut put = |group: &[u16; GROUP]| {
+        let [a, b, c, d, e, f, g, h] = group.map(u64::from);
+        let pairs = [a | b << width, c | d << width, e | f << width, g | h << width];
+        let [low, high] = [pairs[0] | pairs[1] << (2 * width), pairs[2] | pairs[3] << (2 * width)];
+        let bits = u128::from(low) | u128::from(high) << (4 * width);
+        if let Some(place) = out[end..].first_chunk_mut::<ROOM>() {
+            *place = bits.to_le_bytes();
+        }
+        end += size;
+    };
+    groups.iter().for_each(&mut put);
+    if !rest.is_empty() {
+        let mut last = [0; GROUP];
+        last[..rest.len()].copy_from_slice(rest);
+        put(&last);
+    }
     out.truncate(end);
 }
 

@@ -13,7 +13,7 @@ use super::atomic::wrong;
 use super::columns::{AREA_KEY, FRAME_RATE_KEY, agents_path};
 use super::parquet_table::{Table, refused};
 use super::trajectory::Frame;
-use super::trajectory_rows::{COLUMNS, Copied, Rows};
+use super::trajectory_rows::{COLUMNS, Copied, Group, Rows};
 use crate::file::Partial;
 use crate::ground::is_absent;
 use parquet::errors::ParquetError;
@@ -79,9 +79,8 @@ impl Parquet {
             path: path.to_owned(),
             table,
             written,
-            frames: Vec::new(),
-            count: 0,
-            rows: Rows::new().map_err(refused(path))?,
+            group: Group::default(),
+            rows: Rows::default(),
             are_people: agents.iter().map(|agent| agent.kind == AgentKind::Person).collect(),
             area,
         };
@@ -158,9 +157,9 @@ struct Writer {
     table: Table,
     /// Takes the memory of frames back.
     written: Sender<Copied>,
-    /// Frames of the next row group, and its rows.
-    frames: Vec<Copied>,
-    count: usize,
+    /// The next row group.
+    group: Group,
+    /// Memory of the last page.
     rows: Rows,
     are_people: Vec<bool>,
     area: Option<Area>,
@@ -172,9 +171,10 @@ impl Writer {
         for message in receiver {
             let Message::Frame(frame) = message else { return Ok(true) };
             self.visit(&frame);
-            self.count += frame.positions.iter().filter(|place| !is_absent(place.to_array())).count();
-            self.frames.push(frame);
-            if self.count >= MOST || self.count >= GROUP && self.frames.len() >= FRAMES {
+            let Group { frames, count } = &mut self.group;
+            *count += frame.positions.iter().filter(|place| !is_absent(place.to_array())).count();
+            frames.push(frame);
+            if *count >= MOST || *count >= GROUP && frames.len() >= FRAMES {
                 self.flush().map_err(refused(&self.path))?;
             }
         }
@@ -191,7 +191,7 @@ impl Writer {
             self.table.note(AREA_KEY, wkt);
             ground = found;
         }
-        let rest = if self.count == 0 { Ok(()) } else { self.flush() };
+        let rest = if self.group.count == 0 { Ok(()) } else { self.flush() };
         let path = std::mem::take(&mut self.path);
         let file = rest.and_then(|()| self.table.complete()).map_err(refused(&path))?;
         Ok(Some((file, ground)))
@@ -214,11 +214,15 @@ impl Writer {
     fn flush(&mut self) -> Result<(), ParquetError> {
         let are_people = &self.are_people;
         let is_person = |agent: usize| are_people.get(agent).copied().unwrap_or(true);
-        self.rows.write(&mut self.table, &self.frames, self.count, is_person)?;
-        for frame in self.frames.drain(..) {
+        let mut chunks = self.group.chunks();
+        for part in self.group.parts() {
+            let pages = self.group.pages(part, is_person, &mut self.rows)?;
+            chunks.iter_mut().zip(pages).try_for_each(|(chunk, page)| chunk.push(page))?;
+        }
+        self.table.append(chunks)?;
+        for frame in std::mem::take(&mut self.group).frames {
             let _ = self.written.send(frame); // not taken once the simulation has ended
         }
-        self.count = 0;
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! Rows of a Parquet file of trajectories: frames, which hold a list for each fact, become pages of columns by agent, then by frame.
 
 use super::columns::{EMOTIONS, FRAME, HEADING, ID, IS_PERSON, VX, VY, X, Y};
-use super::parquet_chunk::{Chunk, STEPS, WHOLE};
-use super::parquet_table::{ColumnOf, Kind, PAGE, Table, Values};
+use super::parquet_chunk::{Chunk, ColumnPage, Press, STEPS, WHOLE, Way};
+use super::parquet_table::{ColumnOf, Kind, PAGE, Values};
 use crate::ground::is_absent;
 use glam::Vec2;
 use parquet::errors::ParquetError;
@@ -10,6 +10,8 @@ use std::ops::Range;
 
 /// Rows of a row group from which on it is written fast: only large crowds fill so many in eight frames.
 const FAST: usize = 1 << 19;
+/// Rows of a page of such a group: what it needs stays in the cache.
+const FAST_PAGE: usize = 1 << 15;
 /// Rows that are made at once, about: what they need stays in the cache.
 const BLOCK: usize = 4096;
 
@@ -42,8 +44,56 @@ pub(super) struct Copied {
     pub(super) emotions: Vec<[f32; 4]>,
 }
 
-/// Rows of the next page, and the columns of the row group so far.
-#[derive(Debug)]
+/// The frames of a row group.
+#[derive(Debug, Default)]
+pub(super) struct Group {
+    pub(super) frames: Vec<Copied>,
+    /// Rows: agents that are there, over all frames.
+    pub(super) count: usize,
+}
+
+impl Group {
+    fn agents(&self) -> usize {
+        self.frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0)
+    }
+
+    /// Agents whose rows are a page each, about as many rows as pages have.
+    pub(super) fn parts(&self) -> Vec<Range<usize>> {
+        let page = if self.count >= FAST { FAST_PAGE } else { PAGE };
+        let agents = self.agents();
+        let at_once = (page * agents).div_ceil(self.count.max(1)).max(1);
+        (0..agents).step_by(at_once).map(|first| first..agents.min(first + at_once)).collect()
+    }
+
+    /// Empty columns for its pages.
+    pub(super) fn chunks(&self) -> Vec<Chunk> {
+        COLUMNS.iter().map(|column| Chunk::new(self.way(column))).collect()
+    }
+
+    fn way(&self, column: &ColumnOf) -> Way {
+        Way { kind: column.kind, is_fast: self.count >= FAST }
+    }
+
+    /// A page of every column, of the rows of some agents, by agent, then by frame: none where none of them is there.
+    pub(super) fn pages(
+        &self,
+        agents: Range<usize>,
+        is_person: impl Fn(usize) -> bool,
+        rows: &mut Rows,
+    ) -> Result<Vec<ColumnPage>, ParquetError> {
+        rows.clear();
+        let at_once = (BLOCK / self.frames.len().max(1)).max(1);
+        for first in agents.clone().step_by(at_once) {
+            let block = Block { frames: &self.frames, agents: first..agents.end.min(first + at_once) };
+            let people: Vec<bool> = block.agents.clone().map(&is_person).collect();
+            rows.append(&block, &people);
+        }
+        if rows.id.is_empty() { Ok(Vec::new()) } else { rows.pages(|column| self.way(column)) }
+    }
+}
+
+/// Memory for the rows of a page.
+#[derive(Debug, Default)]
 pub(super) struct Rows {
     frame: Vec<i32>,
     id: Vec<i32>,
@@ -55,51 +105,10 @@ pub(super) struct Rows {
     is_person: Vec<bool>,
     emotion: [Vec<f32>; 4],
     has_emotion: Vec<bool>,
-    chunks: Vec<Chunk>,
+    press: Press,
 }
 
 impl Rows {
-    pub(super) fn new() -> Result<Self, ParquetError> {
-        Ok(Self {
-            frame: Vec::new(),
-            id: Vec::new(),
-            x: Vec::new(),
-            y: Vec::new(),
-            heading: Vec::new(),
-            velocity: Default::default(),
-            has_velocity: Vec::new(),
-            is_person: Vec::new(),
-            emotion: Default::default(),
-            has_emotion: Vec::new(),
-            chunks: COLUMNS.iter().map(|column| Chunk::new(column.kind)).collect::<Result<_, _>>()?,
-        })
-    }
-
-    /// Writes a row group of some frames, by agent, then by frame: agents that are there. `count` is how many rows these are.
-    pub(super) fn write(
-        &mut self,
-        table: &mut Table,
-        frames: &[Copied],
-        count: usize,
-        is_person: impl Fn(usize) -> bool,
-    ) -> Result<(), ParquetError> {
-        self.chunks.iter_mut().for_each(|chunk| chunk.begin(count >= FAST));
-        let agents = frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0);
-        let at_once = (BLOCK / frames.len().max(1)).max(1);
-        for first in (0..agents).step_by(at_once) {
-            let block = Block { frames, agents: first..agents.min(first + at_once) };
-            let people: Vec<bool> = block.agents.clone().map(&is_person).collect();
-            self.append(&block, &people);
-            if self.id.len() >= PAGE {
-                self.page()?;
-            }
-        }
-        if !self.id.is_empty() {
-            self.page()?;
-        }
-        table.append(&mut self.chunks)
-    }
-
     fn append(&mut self, block: &Block<'_>, people: &[bool]) {
         let there = block.mask(|frame| &frame.positions, |_, place| !is_absent(place.to_array()));
         let moves = there.and(&block.mask(|frame| &frame.velocities, |_, _| true));
@@ -110,21 +119,30 @@ impl Rows {
         let first = block.agents.start + 1;
         block.put(&mut self.id, &there, |agent, rows| rows.fill(whole(first + agent)));
         block.put(&mut self.is_person, &there, |agent, rows| rows.fill(people[agent]));
-        block.each(&mut self.x, &there, |frame| &frame.positions, |place| place.x);
-        block.each(&mut self.y, &there, |frame| &frame.positions, |place| 0.0 - place.y); // no negative zeros
-        block.each(&mut self.heading, &there, |frame| &frame.headings, |heading| round(*heading));
+        block.each(&mut self.x, &there, |frame| &frame.positions, |place| place.x, |_| ());
+        block.each(&mut self.y, &there, |frame| &frame.positions, |place| place.y, negate);
+        block.each(&mut self.heading, &there, |frame| &frame.headings, |heading| *heading, round);
         let [vx, vy] = &mut self.velocity;
-        block.each(vx, &moves, |frame| &frame.velocities, |velocity| round(velocity.x));
-        block.each(vy, &moves, |frame| &frame.velocities, |velocity| round(0.0 - velocity.y));
+        block.each(vx, &moves, |frame| &frame.velocities, |velocity| velocity.x, round);
+        block.each(
+            vy,
+            &moves,
+            |frame| &frame.velocities,
+            |velocity| velocity.y,
+            |all| {
+                negate(all);
+                round(all);
+            },
+        );
         for (number, column) in self.emotion.iter_mut().enumerate() {
-            block.each(column, &feels, |frame| &frame.emotions, |emotion| round(emotion[number]));
+            block.each(column, &feels, |frame| &frame.emotions, |emotion| emotion[number], round);
         }
         there.levels(&mut self.has_velocity, &moves);
         there.levels(&mut self.has_emotion, &feels);
     }
 
-    /// Ends a page of every column.
-    fn page(&mut self) -> Result<(), ParquetError> {
+    /// A page of every column.
+    fn pages(&mut self, way: impl Fn(&ColumnOf) -> Way) -> Result<Vec<ColumnPage>, ParquetError> {
         let [vx, vy] = &self.velocity;
         let [happy, angry, sad, neutral] = &self.emotion;
         let (moves, feels) = (Some(self.has_velocity.as_slice()), Some(self.has_emotion.as_slice()));
@@ -142,11 +160,10 @@ impl Rows {
             (Values::Float(sad), feels),
             (Values::Float(neutral), feels),
         ];
-        for (chunk, (values, has_value)) in self.chunks.iter_mut().zip(columns) {
-            chunk.page(&values, has_value)?;
-        }
-        self.clear();
-        Ok(())
+        let page = |(column, (values, has_value)): (&ColumnOf, (Values<'_>, _))| {
+            ColumnPage::new(way(column), &values, has_value, &mut self.press)
+        };
+        COLUMNS.iter().zip(columns).map(page).collect()
     }
 
     /// Empties the columns and keeps their memory.
@@ -272,21 +289,23 @@ impl<'a> Block<'a> {
         mask.keep(column, start);
     }
 
-    /// Appends a value of each row of a mask, made from a list of its frame.
-    fn each<S: 'a, T: Copy + Default>(
+    /// Appends a number of each row of a mask, read from a list of its frame. `finish` changes them, all in one.
+    fn each<S: 'a>(
         &self,
-        column: &mut Vec<T>,
+        column: &mut Vec<f32>,
         mask: &Mask,
         list: impl Fn(&'a Copied) -> &'a [S],
-        value: impl Fn(&S) -> T,
+        number_of: impl Fn(&S) -> f32,
+        finish: impl Fn(&mut [f32]),
     ) {
         let Some(start) = grow(column, mask) else { return };
         for (number, frame) in self.frames.iter().enumerate() {
             let own = self.of(list(frame));
-            for (rows, one) in column[start..].chunks_exact_mut(self.frames.len()).zip(own) {
-                rows[number] = value(one);
+            for (row, one) in column[start + number..].iter_mut().step_by(self.frames.len()).zip(own) {
+                *row = number_of(one);
             }
         }
+        finish(&mut column[start..]);
         mask.keep(column, start);
     }
 }
@@ -298,28 +317,36 @@ fn grow<T: Copy + Default>(column: &mut Vec<T>, mask: &Mask) -> Option<usize> {
     (!matches!(mask, Mask::None(_))).then_some(start)
 }
 
-/// The nearest multiple of 1 / [`STEPS`]; halves go to the even one.
-fn round(value: f32) -> f32 {
-    // A sum of this size has no fraction, so adding rounds, in an instruction. The function of the library is a call.
-    let steps = value * STEPS;
-    let whole = if steps.abs() < 0.25 * WHOLE { steps + WHOLE - WHOLE } else { round_large(steps) };
-    whole / STEPS
+/// The opposite, without negative zeros.
+fn negate(values: &mut [f32]) {
+    values.iter_mut().for_each(|value| *value = 0.0 - *value);
 }
 
-/// Apart, so that its call is made for large numbers alone.
-#[cold]
-fn round_large(steps: f32) -> f32 {
-    steps.round_ties_even()
+/// The nearest multiples of 1 / [`STEPS`]; halves go to the even one.
+fn round(values: &mut [f32]) {
+    let is_small = |value: &f32| (value * STEPS).abs() < 0.25 * WHOLE;
+    // without an early end, so that the compiler makes vectors of it
+    if values.iter().fold(true, |all, value| all & is_small(value)) {
+        // A sum of this size has no fraction, so adding rounds, in an instruction. The function of the library is a call.
+        values.iter_mut().for_each(|value| *value = (*value * STEPS + WHOLE - WHOLE) / STEPS);
+    } else {
+        values.iter_mut().for_each(|value| *value = (*value * STEPS).round_ties_even() / STEPS + 0.0); // +0, as above
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::parquet_table::refused;
+    use super::super::parquet_table::{Table, refused};
     use super::*;
     use crate::ground::ABSENT;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
     use std::path::Path;
+
+    fn rounded(mut value: f32) -> f32 {
+        round(std::slice::from_mut(&mut value));
+        value
+    }
 
     /// Frames of agents that come and go, stand, walk, or fly, with and without velocities and feelings.
     fn frames(agents: u16, count: u32) -> Vec<Copied> {
@@ -378,10 +405,17 @@ mod tests {
         let is_person = |agent: usize| !agent.is_multiple_of(13);
         let groups = [(frames(1500, 100), FAST), (frames(40, 90), 0), (frames(700, 9), FAST)];
         let mut table = Table::create(&path, &COLUMNS).unwrap();
-        let mut rows = Rows::new().unwrap();
+        let mut rows = Rows::default();
         let mut expected: Vec<Cells> = Vec::new();
-        for (group, count) in &groups {
-            rows.write(&mut table, group, *count, is_person).unwrap();
+        for (frames, count) in groups {
+            let group = Group { frames, count };
+            let mut chunks = group.chunks();
+            for part in group.parts() {
+                let pages = group.pages(part, is_person, &mut rows).unwrap();
+                chunks.iter_mut().zip(pages).for_each(|(chunk, page)| chunk.push(page).unwrap());
+            }
+            table.append(chunks).unwrap();
+            let group = group.frames;
             for agent in 0..group[0].positions.len() {
                 for frame in group.iter().filter(|frame| !is_absent(frame.positions[agent].to_array())) {
                     let bits = |value: f32| Some(value.to_bits());
@@ -393,12 +427,12 @@ mod tests {
                         u32::try_from(agent + 1).ok(),
                         bits(place.x),
                         bits(-place.y),
-                        bits(round(frame.headings[agent])),
-                        velocity.and_then(|velocity| bits(round(velocity.x))),
-                        velocity.and_then(|velocity| bits(round(0.0 - velocity.y))),
+                        bits(rounded(frame.headings[agent])),
+                        velocity.and_then(|velocity| bits(rounded(velocity.x))),
+                        velocity.and_then(|velocity| bits(rounded(0.0 - velocity.y))),
                         Some(u32::from(is_person(agent))),
                     ];
-                    cells.extend((0..4).map(|of| emotion.and_then(|emotion| bits(round(emotion[of])))));
+                    cells.extend((0..4).map(|of| emotion.and_then(|emotion| bits(rounded(emotion[of])))));
                     expected.push(cells);
                 }
             }
@@ -416,12 +450,12 @@ mod tests {
         for part in 0..40_000 {
             let value = (part as f32 - 20_000.0) * 0.000_123_4 * (1.0 + part as f32);
             assert_eq!(
-                round(value).to_bits(),
+                rounded(value).to_bits(),
                 ((value * STEPS).round_ties_even() / STEPS).to_bits(),
                 "{value}"
             );
         }
-        let halves = [0.5_f32, 1.5, -0.5, 2.5].map(|half| round(half / STEPS) * STEPS);
+        let halves = [0.5_f32, 1.5, -0.5, 2.5].map(|half| rounded(half / STEPS) * STEPS);
         assert_eq!(halves.map(f32::abs).map(f32::to_bits), [0.0_f32, 2.0, 0.0, 2.0].map(f32::to_bits));
     }
 }
