@@ -181,3 +181,17 @@ fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     }
     return view.shadow_from_world * vec4<f32>(pose(vertex, instance).world, 1.0);
 }
+
+// Near the eye, of the image's own mesh: a coarser one would shade it where they differ.
+@vertex
+fn crowd_near_shadow(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) instance: u32,
+) -> @builtin(position) vec4<f32> {
+    let own = outfit_of(agent_of(instance));
+    let tailored = tailoring_of(vertex);
+    if is_left_out(own, tailored) {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
+    return view.shadow_from_world * vec4<f32>(grown(place(vertex, instance), own, tailored), 1.0);
+}

@@ -5,7 +5,9 @@ const HIGH: u32 = 2u;                // as view.quality says it
 const SOFT_EDGE: f32 = 0.55;         // how much of the light at the edge of shadow a body lets round, of a wrap of 1
 const SHEEN: f32 = 0.5;              // light of the sky on fibres that are seen edge on, of a sheen of 1
 const GLINT: f32 = 3.0;              // the sun in a mirror, of its light on what faces it
-const WIDER: f32 = 2.6;              // the outer ring of samples of a shadow at high quality, of the inner one
+const NEAR_EDGE: f32 = 8.0;          // the finer shadows near the eye pass into the others over the outermost 1/8 of their map
+const OUTER_SQUARE = vec2<f32>(1.9, 2.6); // the wider square of samples at high quality, texels
+const OUTER_LIFT: f32 = 1.9;         // places are moved off their surface so many times as far for it: as its reach
 
 // A place of a surface.
 struct Matter {
@@ -23,20 +25,39 @@ fn matt(albedo: vec3<f32>, normal: vec3<f32>) -> Matter {
     return Matter(albedo, normal, 1.0, 0.0, 0.0, 0.0, 1.0);
 }
 
-// 1 in the sun, 0 in the shadow; at high quality with a wider edge.
-fn soft_sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
-    let lit = sunlight(world, normal, lift);
+// Share of the sun's light in a place of a map; at high quality with a wider edge.
+fn soft_samples(map: f32, place: vec2<f32>, depth: f32) -> f32 {
+    let inner = sun_samples(map, place, depth, SQUARE);
     if view.quality < HIGH {
-        return lit;
+        return inner;
     }
-    let across = normalize(cross(view.sun_direction.xyz, vec3<f32>(0.31, 0.2, -0.93)));
-    let along = cross(view.sun_direction.xyz, across);
-    let reach = view.sun_direction.w * WIDER;
-    let one = sunlight(world + across * reach, normal, lift);
-    let two = sunlight(world - across * reach, normal, lift);
-    let three = sunlight(world + along * reach, normal, lift);
-    let four = sunlight(world - along * reach, normal, lift);
-    return 0.28 * lit + 0.18 * (one + two + three + four);
+    return 0.5 * (inner + sun_samples(map, place, depth, OUTER_SQUARE));
+}
+
+// 1 in the sun, 0 in the shadow: by the finer map near the eye, as far as that reaches.
+fn soft_sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
+    let off = lift_off(normal) * (lift * select(1.0, OUTER_LIFT, view.quality >= HIGH));
+    let finer = view.near_shadow.z;
+    var near = 0.0;
+    var close = 0.0;
+    if finer > 0.0 {
+        let clip = to_shadow(world + off / finer);
+        let place = (clip.xy - view.near_shadow.xy) * finer;
+        near = clamp(within(place, NEAR_EDGE), 0.0, 1.0);
+        if near > 0.0 {
+            close = soft_samples(NEAR_MAP, place, clip.z);
+        }
+    }
+    if near >= 1.0 {
+        return close;
+    }
+    let clip = to_shadow(world + off);
+    let left = clamp(within(clip.xy, SHADOW_EDGE), 0.0, 1.0);
+    var far = 1.0;
+    if left > 0.0 {
+        far = mix(1.0, soft_samples(WHOLE_MAP, clip.xy, clip.z), left);
+    }
+    return mix(far, close, near);
 }
 
 // Share of the light that a surface mirrors, by the cosine of the angle to its normal (Schlick 1994). What mirrors little face

@@ -10,6 +10,8 @@ const SHOULDER: f32 = 0.5;           // brightness from which on highlights are 
 const SCATTER: f32 = 0.14;           // share of the sun's light that the air sends from the sun's side of the sky
 const LIFT: f32 = 0.4;               // how far receivers are moved towards the sun, texels of the shadow map
 const LIFT_SLANTED: f32 = 2.3;       // and along their normal where light grazes them: the reach of the samples below
+const WHOLE_MAP: f32 = 0.0;          // the maps in the image of shadows, from left to right
+const NEAR_MAP: f32 = 1.0;
 const SHADOW_EDGE: f32 = 20.0;       // shadows fade out over the outermost 1/20 of the map
 
 // The sky in a unit direction.
@@ -26,27 +28,47 @@ fn sky_color(direction: vec3<f32>) -> vec3<f32> {
     return mix(color, mix(view.sky_horizon.rgb, view.ground_bounce.rgb, 0.5), below * 0.6);
 }
 
-// 1 in the sun, 0 in the shadow. `lift`: 1 of what casts shadows, 0 of what casts none.
-fn sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
-    // moved off the surface, so that it does not shade itself
+// How far a place is moved off its surface before it is looked up in a shadow map, so that it does not shade itself. In the world, m.
+fn lift_off(normal: vec3<f32>) -> vec3<f32> {
     let facing = dot(normal, view.sun_direction.xyz);
     let slant = sqrt(max(1.0 - facing * facing, 0.0));
-    let off = (normal * (LIFT_SLANTED * slant) + view.sun_direction.xyz * LIFT) * view.sun_direction.w;
-    let lifted = world + off * lift;
-    let clip = (view.shadow_from_world * vec4<f32>(lifted, 1.0)).xyz;
-    let from_edge = (1.0 - max(abs(clip.x), abs(clip.y))) * SHADOW_EDGE;
-    if from_edge <= 0.0 {
+    return (normal * (LIFT_SLANTED * slant) + view.sun_direction.xyz * LIFT) * view.sun_direction.w;
+}
+
+// Where a place of the world lies in the clip space of the whole shadow map.
+fn to_shadow(world: vec3<f32>) -> vec3<f32> {
+    return (view.shadow_from_world * vec4<f32>(world, 1.0)).xyz;
+}
+
+// Share of the sun's light in a place of a map, in its clip space. `corner` is the first of four bilinear samples on a turned
+// square, in texels: together as soft as nine on the grid.
+fn sun_samples(map: f32, place: vec2<f32>, depth: f32, corner: vec2<f32>) -> f32 {
+    let share = vec2<f32>(view.near_shadow.w, 1.0);
+    let middle = (place * 0.5 + 0.5 + vec2<f32>(map, 0.0)) * share;
+    let one = corner * view.sun_color.w * share;
+    let other = vec2<f32>(-corner.y, corner.x) * view.sun_color.w * share;
+    var lit = textureSampleCompareLevel(shadow_map, shadow_sampler, middle + one, depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, middle + other, depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, middle - one, depth);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, middle - other, depth);
+    return lit * 0.25;
+}
+
+const SQUARE = vec2<f32>(0.4, 1.2);  // the corner that is sampled
+
+// How much of a map's shadows is left near its edge, of an edge of 1 / `edge`. Negative beyond it.
+fn within(place: vec2<f32>, edge: f32) -> f32 {
+    return (1.0 - max(abs(place.x), abs(place.y))) * edge;
+}
+
+// 1 in the sun, 0 in the shadow. `lift`: 1 of what casts shadows, 0 of what casts none.
+fn sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
+    let clip = to_shadow(world + lift_off(normal) * lift);
+    let left = within(clip.xy, SHADOW_EDGE);
+    if left <= 0.0 {
         return 1.0;
     }
-    let uv = clip.xy * 0.5 + 0.5;
-    let texel = view.sun_color.w;
-    var lit = 0.0;
-    // four bilinear samples on a turned square: as soft as nine on the grid
-    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(0.4, 1.2), clip.z);
-    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(-1.2, 0.4), clip.z);
-    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(-0.4, -1.2), clip.z);
-    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(1.2, -0.4), clip.z);
-    return mix(1.0, lit * 0.25, clamp(from_edge, 0.0, 1.0));
+    return mix(1.0, sun_samples(WHOLE_MAP, clip.xy, clip.z, SQUARE), clamp(left, 0.0, 1.0));
 }
 
 // Light that a matt surface sends to the eye, before haze and tone. What of its colour is above 1 glows.

@@ -5,6 +5,7 @@ struct ViewUniforms {
     world_from_clip: array<mat4x4<f32>, 2>,
     eyes: array<vec4<f32>, 2>,              // xyz: position of each eye; w: 1 with haze, 0 in a parallel projection
     shadow_from_world: mat4x4<f32>,         // clip space of the shadow map; depth 1 towards the sun
+    near_shadow: vec4<f32>,                 // finer map: xy: its middle in that space; z: times as fine, 0: none; w: share of the image a map has
     sun_direction: vec4<f32>,               // xyz: unit, towards the sun; w: side of a shadow texel, m
     sun_color: vec4<f32>,                   // rgb: light on a surface that faces the sun; w: size of a shadow texel, 0 to 1
     sky_zenith: vec4<f32>,                  // rgb

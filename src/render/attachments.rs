@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::commands::Commands;
-use super::settings::{Occlusion, Settings, Stereo};
+use super::settings::{Occlusion, Quality, Settings, Stereo};
 use super::target::{
     DEPTH_FORMAT, EyeImages, Format, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole,
 };
@@ -67,6 +67,17 @@ pub(super) fn occlusion(device: &Device, settings: &Settings) -> Occlusion {
 /// Eye passes of a frame.
 pub(super) fn eye_passes(settings: &Settings) -> u32 {
     if settings.stereo == Stereo::TwoPasses { settings.eyes } else { 1 }
+}
+
+/// Shadow maps of a frame, side by side in one image: that of all that is seen and, at medium and high quality, a finer one of what
+/// is near.
+pub(super) fn shadow_maps(settings: &Settings) -> u32 {
+    if settings.quality > Quality::Low && settings.shadow_size > 0 { 2 } else { 1 }
+}
+
+/// Passes with a view of their own: those of the eyes, then those of the shadow maps after the first.
+pub(super) fn passes(settings: &Settings) -> u32 {
+    eye_passes(settings) + shadow_maps(settings) - 1
 }
 
 /// Layers that one eye pass draws at once.

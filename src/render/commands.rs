@@ -84,29 +84,36 @@ impl Commands<'_> {
 
     /// Records draws into these attachments. The images are in the layouts that `rendering` names.
     pub(super) fn rendering(&self, rendering: &vk::RenderingInfo<'_>, draw: impl FnOnce()) {
-        let area = rendering.render_area;
-        #[allow(clippy::cast_precision_loss, reason = "sides of images are far below 2^24")]
-        let viewport = vk::Viewport {
-            width: area.extent.width as f32,
-            height: area.extent.height as f32,
-            max_depth: 1.0,
-            ..Default::default()
-        };
         // SAFETY: recording has begun and the images are in the layouts of the attachments.
-        unsafe {
-            self.raw().cmd_begin_rendering(self.buffer, rendering);
-            self.raw().cmd_set_viewport(self.buffer, 0, &[viewport]);
-            self.raw().cmd_set_scissor(self.buffer, 0, &[area]);
-        }
+        unsafe { self.raw().cmd_begin_rendering(self.buffer, rendering) };
+        self.draw_within(rendering.render_area);
         draw();
         // SAFETY: rendering has begun.
         unsafe { self.raw().cmd_end_rendering(self.buffer) };
     }
 
-    /// Binds a pipeline of a program and the program's descriptor set of an eye pass.
-    pub(super) fn use_program(&self, program: &Program, pipeline: vk::Pipeline, eye_pass: usize) {
+    /// Draws into this part of the attachments from now on.
+    pub(super) fn draw_within(&self, area: vk::Rect2D) {
+        #[allow(clippy::cast_precision_loss, reason = "sides of images are far below 2^24")]
+        let viewport = vk::Viewport {
+            x: area.offset.x as f32,
+            y: area.offset.y as f32,
+            width: area.extent.width as f32,
+            height: area.extent.height as f32,
+            max_depth: 1.0,
+            ..Default::default()
+        };
+        // SAFETY: recording has begun.
+        unsafe {
+            self.raw().cmd_set_viewport(self.buffer, 0, &[viewport]);
+            self.raw().cmd_set_scissor(self.buffer, 0, &[area]);
+        }
+    }
+
+    /// Binds a pipeline of a program and the program's descriptor set of a pass.
+    pub(super) fn use_program(&self, program: &Program, pipeline: vk::Pipeline, pass: usize) {
         let point = vk::PipelineBindPoint::GRAPHICS;
-        let sets = [program.set(SetIndex { slot: self.slot, eye_pass })];
+        let sets = [program.set(SetIndex { slot: self.slot, pass })];
         // SAFETY: the pipeline and the set were made with the program's layout; recording has begun.
         unsafe {
             self.raw().cmd_bind_pipeline(self.buffer, point, pipeline);

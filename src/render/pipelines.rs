@@ -27,13 +27,14 @@ pub(super) struct Setup<'a> {
     pub(super) device: &'a Arc<Device>,
     pub(super) format: Format,
     pub(super) view_mask: u32,
-    pub(super) eye_passes: u32,
+    /// Passes with a view of their own.
+    pub(super) passes: u32,
     pub(super) quality: Quality,
 }
 
 impl Setup<'_> {
     pub(super) fn program(&self, shader: &'static DrawShader) -> Result<Program, Error> {
-        Program::new(self.device, shader, self.eye_passes)
+        Program::new(self.device, shader, self.passes)
     }
 
     /// The entry points of the two stages: those of low quality, or those of better light.
@@ -100,15 +101,16 @@ impl Setup<'_> {
     }
 }
 
-/// Which of a program's descriptor sets: that of an eye pass of a frame in flight.
+/// Which of a program's descriptor sets: that of a pass of a frame in flight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SetIndex {
     /// The slot of the frame.
     pub(crate) slot: usize,
-    pub(crate) eye_pass: usize,
+    /// Number of an eye pass, or of a shadow map after them.
+    pub(crate) pass: usize,
 }
 
-/// A draw shader with its layout, and a descriptor set for every eye pass of every frame in flight.
+/// A draw shader with its layout, and a descriptor set for every pass of every frame in flight.
 pub(crate) struct Program {
     device: Arc<Device>,
     shader: &'static DrawShader,
@@ -149,12 +151,8 @@ fn descriptor_type(kind: DrawBindingKind) -> vk::DescriptorType {
 }
 
 impl Program {
-    pub(crate) fn new(
-        device: &Arc<Device>,
-        shader: &'static DrawShader,
-        eye_passes: u32,
-    ) -> Result<Self, Error> {
-        let count = eye_passes.max(1) * u32::try_from(FRAMES_IN_FLIGHT).unwrap_or(1);
+    pub(crate) fn new(device: &Arc<Device>, shader: &'static DrawShader, passes: u32) -> Result<Self, Error> {
+        let count = passes.max(1) * u32::try_from(FRAMES_IN_FLIGHT).unwrap_or(1);
         let mut program = Self {
             device: device.clone(),
             shader,
@@ -211,13 +209,13 @@ impl Program {
         Ok(program)
     }
 
-    /// The descriptor set of an eye pass.
-    pub(crate) fn set(&self, SetIndex { slot, eye_pass }: SetIndex) -> vk::DescriptorSet {
-        let eye_passes = self.sets.len() / FRAMES_IN_FLIGHT;
-        self.sets.get(slot * eye_passes + eye_pass).copied().unwrap_or_default()
+    /// The descriptor set of a pass.
+    pub(crate) fn set(&self, SetIndex { slot, pass }: SetIndex) -> vk::DescriptorSet {
+        let passes = self.sets.len() / FRAMES_IN_FLIGHT;
+        self.sets.get(slot * passes + pass).copied().unwrap_or_default()
     }
 
-    /// Fills every binding of an eye pass with what `resource` gives for its name.
+    /// Fills every binding of a pass with what `resource` gives for its name.
     ///
     /// The set must not be in use: the frame that had its slot was waited for.
     pub(crate) fn bind(

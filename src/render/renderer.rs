@@ -4,7 +4,7 @@ use super::Error;
 use super::atmosphere::Atmosphere;
 use super::attachments::{
     Attachments, EyeTarget, EyeViews, Part, begin_depth_target, draws, end_depth_target, eye_passes,
-    occlusion, samples, stereo, view_mask,
+    occlusion, passes, samples, shadow_maps, stereo, view_mask,
 };
 use super::camera::View;
 use super::commands::{Commands, Submitter};
@@ -18,7 +18,7 @@ use super::pack::MeshBuffers;
 use super::passes::MaskPass;
 use super::passes::{
     ContactPass, CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass,
-    PaintedPass, PlacePass, ShadowPass, SkyPass, UserPass,
+    PaintedPass, PlacePass, ShadowPass, SkyPass, SunMap, UserPass,
 };
 use super::pipelines::{SetIndex, Setup};
 use super::settings::{Markers, Quality, Settings};
@@ -30,7 +30,6 @@ use super::user::User;
 use crate::avatar::PlaceModel;
 use crate::gpu::{Device, Draws};
 use ash::vk;
-use glam::Mat4;
 use std::sync::Arc;
 
 /// Draws a crowd and its environment.
@@ -100,13 +99,13 @@ impl Renderer {
             occlusion: occlusion(device, &settings),
             draws: draws(device, &settings),
             samples: format.samples.as_raw(),
-            shadow_size: settings.shadow_size.min(largest),
+            shadow_size: settings.shadow_size.min(largest / shadow_maps(&settings)),
             ..settings
         };
         let attachments = Attachments::new(device, &settings, format)?;
         let setup = setup(device, format, &settings);
         Ok(Self {
-            shadow: ShadowPass::new(device, settings.shadow_size)?,
+            shadow: ShadowPass::new(device, settings.shadow_size, shadow_maps(&settings))?,
             #[cfg(feature = "xr")]
             mask: None,
             user: UserPass::new(&setup)?,
@@ -122,7 +121,7 @@ impl Renderer {
             markers: MarkerPass::new(&setup)?,
             meshes: None,
             direct: None,
-            uniforms: ViewBuffers::new(device, eye_passes(&settings))?,
+            uniforms: ViewBuffers::new(device, &settings)?,
             attachments,
             eye_views: EyeViews::new(device),
             offscreen: None,
@@ -273,9 +272,9 @@ impl Renderer {
         if let Some(occlusion) = &self.occlusion {
             occlusion.bind(slot, frame)?;
         }
-        for (eye_pass, view) in self.uniforms.iter() {
+        for (pass, view) in self.uniforms.iter() {
             let shared = Shared { view, shadow: &self.shadow, crowd: frame.crowd };
-            let index = SetIndex { slot, eye_pass };
+            let index = SetIndex { slot, pass };
             #[cfg(feature = "xr")]
             if let Some(mask) = &self.mask {
                 mask.bind(index)?;
@@ -309,20 +308,27 @@ impl Renderer {
     ) -> Result<(), Error> {
         let [from, to] = frame::BEFORE;
         commands.barrier(from, to);
-        let uniforms = frame.uniforms(self.shadow.size());
-        self.uniforms.update(commands, &uniforms);
+        let (uniforms, sun) = frame.uniforms(self.shadow.size());
+        self.uniforms.update(commands, &uniforms, sun.near_from_world());
         self.user.update(commands);
         let [from, to] = frame::UNIFORMS;
         commands.barrier(from, to);
-        self.shadow.record(commands, || {
-            let shadow_from_world = Mat4::from_cols_array_2d(&uniforms.shadow_from_world);
-            self.environment.record_shadow(commands, &shadow_from_world);
+        let whole = SunMap { shadow_from_world: sun.shadow_from_world, pass: 0, is_near: false };
+        let eye_passes = eye_passes(&self.settings) as usize;
+        let near = sun.near_from_world();
+        let near =
+            near.map(|shadow_from_world| SunMap { shadow_from_world, pass: eye_passes, is_near: true });
+        let maps: Vec<SunMap> = std::iter::once(whole).chain(near).collect();
+        self.shadow.record(commands, &maps, |map| {
+            self.environment.record_shadow(commands, map);
             if let Some(place) = &self.place {
-                place.record_shadow(commands, &shadow_from_world);
+                place.record_shadow(commands, map);
             }
-            self.crowd.record_shadow(frame, commands);
-            self.outsiders.record_shadow(frame, commands);
-            self.far.record_shadow(frame, commands);
+            self.crowd.record_shadow(frame, commands, map);
+            self.outsiders.record_shadow(frame, commands, map);
+            if !map.is_near {
+                self.far.record_shadow(frame, commands);
+            }
         });
         let drawn = ImageUse::COLOR_WRITTEN;
         let stages = output.before | drawn.stages;
@@ -332,7 +338,7 @@ impl Renderer {
         if let Some(depth) = output.depth {
             begin_depth_target(commands, depth);
         }
-        for ((eye_pass, _), target) in self.uniforms.iter().zip(output.eyes) {
+        for (eye_pass, target) in output.eyes.into_iter().enumerate().take(eye_passes) {
             let frame = Frame { eye_pass, ..*frame };
             commands.labelled(c"gaitway.frame", || self.record_eye_pass(commands, &frame, target))?;
         }
@@ -418,6 +424,6 @@ impl Drop for Renderer {
 
 /// What the pipelines of all passes have in common.
 fn setup<'a>(device: &'a Arc<Device>, format: Format, settings: &Settings) -> Setup<'a> {
-    let (view_mask, eye_passes) = (view_mask(settings), eye_passes(settings));
-    Setup { device, format, view_mask, eye_passes, quality: settings.quality }
+    let (view_mask, passes) = (view_mask(settings), passes(settings));
+    Setup { device, format, view_mask, passes, quality: settings.quality }
 }

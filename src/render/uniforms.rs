@@ -1,11 +1,12 @@
 //! The uniforms of a frame, which all draw shaders share.
 
 use super::Error;
+use super::attachments::{eye_passes, passes, shadow_maps};
 use super::camera::View;
 use super::commands::Commands;
 use super::frame::Frame;
 use super::settings::Settings;
-use super::sun;
+use super::sun::{self, SunView};
 use crate::gpu::{Buffer, Device, Memory};
 use crate::kernels::layout::ViewUniforms;
 use glam::{Mat4, Vec3, Vec4};
@@ -14,25 +15,37 @@ use std::sync::Arc;
 /// Side of a cell of the pattern by which near bodies fade, pixels.
 const FADE_CELL: f32 = 3.0;
 
-/// A uniform buffer for each eye pass.
-pub(super) struct ViewBuffers(Vec<Buffer>);
+/// A uniform buffer for each eye pass, and after them one for the finer shadow map, where there is one.
+pub(super) struct ViewBuffers {
+    buffers: Vec<Buffer>,
+    eye_passes: usize,
+}
 
 impl ViewBuffers {
-    pub(super) fn new(device: &Arc<Device>, eye_passes: u32) -> Result<Self, Error> {
+    pub(super) fn new(device: &Arc<Device>, settings: &Settings) -> Result<Self, Error> {
         let size = size_of::<ViewUniforms>() as u64;
-        let buffers = (0..eye_passes).map(|_| Buffer::new(device, "view", size, Memory::Device));
-        Ok(Self(buffers.collect::<Result<_, _>>()?))
+        let buffers = (0..passes(settings)).map(|_| Buffer::new(device, "view", size, Memory::Device));
+        Ok(Self { buffers: buffers.collect::<Result<_, _>>()?, eye_passes: eye_passes(settings) as usize })
     }
 
-    /// The eye passes and their buffers.
+    /// The passes and their buffers, those of the eyes first.
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, &Buffer)> {
-        self.0.iter().enumerate()
+        self.buffers.iter().enumerate()
     }
 
-    /// Records the update of all buffers.
-    pub(super) fn update(&self, commands: &Commands<'_>, uniforms: &ViewUniforms) {
-        for (eye, buffer) in self.iter() {
-            let uniforms = if self.0.len() > 1 { one_eye(uniforms, eye) } else { *uniforms };
+    /// Records the update of all buffers. `near_from_world`: to the clip space of the finer shadow map.
+    pub(super) fn update(
+        &self,
+        commands: &Commands<'_>,
+        uniforms: &ViewUniforms,
+        near_from_world: Option<Mat4>,
+    ) {
+        for (pass, buffer) in self.iter() {
+            let uniforms = match near_from_world.filter(|_| pass >= self.eye_passes) {
+                Some(near) => ViewUniforms { shadow_from_world: near.to_cols_array_2d(), ..*uniforms },
+                None if self.eye_passes > 1 && pass < self.eye_passes => one_eye(uniforms, pass),
+                None => *uniforms,
+            };
             let bytes = bytemuck::bytes_of(&uniforms);
             // SAFETY: recording has begun, outside of rendering; the contents are a few hundred bytes, a multiple of
             // four, and fit the buffer.
@@ -78,23 +91,27 @@ fn pixel(view: &View, settings: &Settings) -> f32 {
 }
 
 impl Frame<'_> {
-    /// The uniforms of both eyes, with a shadow map of so many texels a side.
-    pub(super) fn uniforms(&self, shadow_size: u32) -> ViewUniforms {
+    /// The uniforms of both eyes, and the view of the sun, with shadow maps of so many texels a side.
+    pub(super) fn uniforms(&self, shadow_size: u32) -> (ViewUniforms, SunView) {
         let (view, meshes) = (self.view, self.crowd.map(|crowd| crowd.meshes));
         let air = &self.settings.atmosphere;
         let sun = air.sun_direction.try_normalize().unwrap_or(Vec3::Y);
-        let fit = sun::sun_view(view, sun, shadow_size);
+        let maps = shadow_maps(self.settings);
+        let mut fit = sun::sun_view(view, sun, shadow_size);
+        fit.near = fit.near.filter(|_| maps > 1);
         let with = |xyz: Vec3, w: f32| xyz.extend(w).to_array();
         let matrices = |f: &dyn Fn(&Mat4) -> Mat4| view.clip_from_world.map(|m| f(&m).to_cols_array_2d());
         let haze = if view.parallel { 0.0 } else { 1.0 };
         let markers = self.settings.markers.unwrap_or_default();
         #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
-        let texels = shadow_size as f32;
-        ViewUniforms {
+        let (texels, share) = (shadow_size as f32, 1.0 / maps as f32);
+        let near = fit.near.map_or(Vec3::ZERO, |near| near.middle.extend(near.finer));
+        let uniforms = ViewUniforms {
             clip_from_world: matrices(&|m| *m),
             world_from_clip: matrices(&Mat4::inverse),
             eyes: view.eyes.map(|eye| with(eye, haze)),
             shadow_from_world: fit.shadow_from_world.to_cols_array_2d(),
+            near_shadow: with(near, share),
             sun_direction: with(sun, fit.texel),
             sun_color: with(air.sun, 1.0 / texels),
             sky_zenith: with(air.zenith, 0.0),
@@ -111,6 +128,7 @@ impl Frame<'_> {
             samples: self.settings.samples,
             quality: self.settings.quality as u32,
             pixel: pixel(view, self.settings),
-        }
+        };
+        (uniforms, fit)
     }
 }

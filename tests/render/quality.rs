@@ -80,6 +80,30 @@ fn one_pass_for_both_eyes_and_a_pass_for_each_give_the_same_pictures_at_every_qu
     gpu::assert_silent();
 }
 
+/// How far two pictures differ, over all pixels and channels.
+fn difference(a: &Image, b: &Image) -> u64 {
+    a.pixels.iter().zip(&b.pixels).map(|(a, b)| u64::from(a.abs_diff(*b))).sum()
+}
+
+#[test]
+fn shadows_near_the_eyes_are_finer_than_the_shadow_map_but_not_at_low_quality() {
+    let Some(device) = device() else { return };
+    // the tower's shadow and those of people, 2 to 6 m away
+    let view =
+        View::mono(&Camera::user_eyes(Vec3::new(0.5, 1.7, 5.0), std::f32::consts::PI, -0.3), W * 2, H * 2);
+    let coarse = ALL.map(|quality| {
+        let picture = |shadow_size| {
+            let settings = Settings { quality, shadow_size, ..Settings::sized(W * 2, H * 2) };
+            draw(&device, settings, &view, SurfaceMaterial::Plain)
+        };
+        let (coarse, fine) = (picture(256), picture(4096));
+        keep(&format!("near_shadow_{quality:?}"), &coarse);
+        difference(&coarse, &fine)
+    });
+    assert!(coarse[0] > 2 * coarse[1] && coarse[0] > 2 * coarse[2], "{coarse:?}");
+    gpu::assert_silent();
+}
+
 #[test]
 fn feet_darken_the_ground_before_them_but_not_at_low_quality() {
     let Some(device) = device() else { return };

@@ -5,6 +5,8 @@ use super::super::commands::Commands;
 use super::super::frame::{Frame, Shared};
 use super::super::meshes::DrawList;
 use super::super::pipelines::{PipelineSpec, Program, SetIndex, Setup};
+use super::super::settings::Quality;
+use super::shadow::SunMap;
 use crate::kernels::draw;
 use ash::vk;
 
@@ -15,6 +17,8 @@ pub(in super::super) struct CrowdPass {
     near: vk::Pipeline,
     solid: vk::Pipeline,
     shadow: vk::Pipeline,
+    /// Of the finer shadow map; the other one where there is none.
+    near_shadow: vk::Pipeline,
 }
 
 impl CrowdPass {
@@ -28,7 +32,11 @@ impl CrowdPass {
         let near = PipelineSpec { covers: true, ..setup.solid(vertex, fragment) };
         let near = program.pipeline(&near)?;
         let shadow = program.pipeline(&setup.shadow("crowd_shadow"))?;
-        Ok(Self { program, near, solid, shadow })
+        let near_shadow = match setup.quality {
+            Quality::Low => shadow,
+            Quality::Medium | Quality::High => program.pipeline(&setup.shadow("crowd_near_shadow"))?,
+        };
+        Ok(Self { program, near, solid, shadow, near_shadow })
     }
 
     pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
@@ -53,11 +61,15 @@ impl CrowdPass {
         });
     }
 
-    pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
+    pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>, map: &SunMap) {
         let Some(meshes) = frame.crowd.map(|crowd| crowd.meshes) else { return };
+        let (pipeline, list) = match map.is_near {
+            true => (self.near_shadow, DrawList::Seen),
+            false => (self.shadow, DrawList::Shadow),
+        };
         commands.labelled(c"gaitway.crowd", || {
-            commands.use_program(&self.program, self.shadow, 0);
-            self.draw(frame, commands, 0..meshes.bucket_count, DrawList::Shadow);
+            commands.use_program(&self.program, pipeline, map.pass);
+            self.draw(frame, commands, 0..meshes.bucket_count, list);
         });
     }
 

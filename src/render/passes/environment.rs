@@ -8,6 +8,7 @@ use super::super::parts::{self, Part};
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
 use super::super::settings::Quality;
 use super::super::surface::{self, Surface};
+use super::shadow::SunMap;
 use crate::gpu::Buffer;
 use crate::kernels::draw;
 use ash::vk;
@@ -79,20 +80,14 @@ impl EnvironmentPass {
         self.draw(commands, self.solid, frame.eye_pass, frame.eyes());
     }
 
-    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, shadow_from_world: &Mat4) {
-        self.draw(commands, self.shadow, 0, std::slice::from_ref(shadow_from_world));
+    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, map: &SunMap) {
+        self.draw(commands, self.shadow, map.pass, std::slice::from_ref(&map.shadow_from_world));
     }
 
-    fn draw(
-        &self,
-        commands: &Commands<'_>,
-        pipeline: vk::Pipeline,
-        eye_pass: usize,
-        clip_from_world: &[Mat4],
-    ) {
+    fn draw(&self, commands: &Commands<'_>, pipeline: vk::Pipeline, pass: usize, clip_from_world: &[Mat4]) {
         let Some(mesh) = &self.mesh else { return };
         commands.labelled(c"gaitway.environment", || {
-            commands.use_program(&self.program, pipeline, eye_pass);
+            commands.use_program(&self.program, pipeline, pass);
             // SAFETY: rendering has begun; every index was checked against the vertices.
             unsafe {
                 let (raw, buffer) = (commands.raw(), commands.buffer);

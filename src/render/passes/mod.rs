@@ -26,6 +26,6 @@ pub(super) use occlusion::{OcclusionPass, OcclusionTest};
 pub(super) use outsiders::OutsiderPass;
 pub(super) use painted::PaintedPass;
 pub(super) use place::PlacePass;
-pub(super) use shadow::ShadowPass;
+pub(super) use shadow::{ShadowPass, SunMap};
 pub(super) use sky::SkyPass;
 pub(super) use user::UserPass;

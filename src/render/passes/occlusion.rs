@@ -143,7 +143,7 @@ impl OcclusionPass {
             return Ok(()); // an engine of other kernels: nothing is left out
         }
         for (eye_pass, view) in self.depth_views.iter().enumerate() {
-            self.program.bind(SetIndex { slot, eye_pass }, |name| match name {
+            self.program.bind(SetIndex { slot, pass: eye_pass }, |name| match name {
                 "picture_depth" => Some(Resource::Texture(*view, Layout::SHADER_READ_ONLY_OPTIMAL)),
                 _ => engine.buffer(BufferId::Wanted).map(|buffer| Resource::Buffer(buffer.raw)),
             })?;

@@ -6,6 +6,7 @@ use super::super::frame::{Frame, Shared};
 use super::super::pack::OutsiderMesh;
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
 use super::super::surface::{self, Surface};
+use super::shadow::SunMap;
 use crate::gpu::Buffer;
 use crate::kernels::draw;
 use ash::vk;
@@ -98,14 +99,14 @@ impl OutsiderPass {
         self.draw(frame, commands, self.solid, frame.eye_pass);
     }
 
-    pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
-        self.draw(frame, commands, self.shadow, 0);
+    pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>, map: &SunMap) {
+        self.draw(frame, commands, self.shadow, map.pass);
     }
 
-    fn draw(&self, frame: &Frame<'_>, commands: &Commands<'_>, pipeline: vk::Pipeline, eye_pass: usize) {
+    fn draw(&self, frame: &Frame<'_>, commands: &Commands<'_>, pipeline: vk::Pipeline, pass: usize) {
         let (Some(crowd), Some(models)) = (frame.crowd, &self.models) else { return };
         commands.labelled(c"gaitway.outsiders", || {
-            commands.use_program(&self.program, pipeline, eye_pass);
+            commands.use_program(&self.program, pipeline, pass);
             let (raw, buffer) = (commands.raw(), commands.buffer);
             // SAFETY: rendering has begun; every index was checked against the vertices, and no agent is drawn that the
             // crowd's buffers do not have.

@@ -6,6 +6,7 @@ use super::super::frame::{Frame, Shared};
 use super::super::materials::Materials;
 use super::super::parts::{self, Part};
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
+use super::shadow::SunMap;
 use crate::avatar::{PlaceModel, PlaceVertex};
 use crate::gpu::Buffer;
 use crate::kernels::draw;
@@ -74,14 +75,14 @@ impl PlacePass {
         self.draw(commands, frame.eye_pass, frame.eyes(), |way| way.seen);
     }
 
-    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, shadow_from_world: &Mat4) {
-        self.draw(commands, 0, std::slice::from_ref(shadow_from_world), |way| way.shadow);
+    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, map: &SunMap) {
+        self.draw(commands, map.pass, std::slice::from_ref(&map.shadow_from_world), |way| way.shadow);
     }
 
     fn draw(
         &self,
         commands: &Commands<'_>,
-        eye_pass: usize,
+        pass: usize,
         clip_from_world: &[Mat4],
         pipeline: impl Fn(&Way) -> vk::Pipeline,
     ) {
@@ -92,7 +93,7 @@ impl PlacePass {
                 if ranges.is_empty() {
                     continue;
                 }
-                commands.use_program(&self.program, pipeline(way), eye_pass);
+                commands.use_program(&self.program, pipeline(way), pass);
                 // SAFETY: rendering has begun; every index was checked against the vertices.
                 unsafe {
                     let (raw, buffer) = (commands.raw(), commands.buffer);

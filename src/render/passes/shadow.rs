@@ -7,14 +7,28 @@ use super::super::pipelines::Resource;
 use super::super::target::{DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Transition};
 use crate::gpu::{Device, call};
 use ash::vk;
+use glam::Mat4;
 use std::sync::Arc;
 use vk::PipelineStageFlags2 as Stage;
 
-/// The depth of the scene as the sun sees it.
+/// A shadow map of a frame.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct SunMap {
+    /// World to its clip space.
+    pub(in super::super) shadow_from_world: Mat4,
+    /// The pass whose uniforms have that.
+    pub(in super::super) pass: usize,
+    /// Whether it is the finer one of what is near the eyes.
+    pub(in super::super) is_near: bool,
+}
+
+/// The depth of the scene as the sun sees it: maps side by side in one image.
 pub(in super::super) struct ShadowPass {
-    map: GpuImage,
-    /// Texels a side.
+    image: GpuImage,
+    /// Texels a side of a map.
     size: u32,
+    /// How many the image has room for.
+    maps: u32,
     /// Whether anything casts a shadow.
     is_on: bool,
     sampler: vk::Sampler,
@@ -22,44 +36,51 @@ pub(in super::super) struct ShadowPass {
 }
 
 impl ShadowPass {
-    /// A map of so many texels a side; 0 makes one texel that is always lit.
-    pub(in super::super) fn new(device: &Arc<Device>, texels: u32) -> Result<Self, Error> {
+    /// Maps of so many texels a side; 0 makes texels that are always lit.
+    pub(in super::super) fn new(device: &Arc<Device>, texels: u32, maps: u32) -> Result<Self, Error> {
         let size = texels.max(1);
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-        let spec = ImageSpec { usage, ..ImageSpec::flat("shadow_map", [size; 2], DEPTH_FORMAT) };
-        let map = GpuImage::new(device, spec)?;
+        let spec = ImageSpec { usage, ..ImageSpec::flat("shadow_map", [maps * size, size], DEPTH_FORMAT) };
+        let image = GpuImage::new(device, spec)?;
         let sampler = make_sampler(device)?;
-        Ok(Self { map, size, is_on: texels > 0, sampler, device: device.clone() })
+        Ok(Self { image, size, maps, is_on: texels > 0, sampler, device: device.clone() })
     }
 
-    /// Texels a side.
+    /// Texels a side of a map.
     pub(in super::super) fn size(&self) -> u32 {
         self.size
     }
 
     pub(in super::super) fn texture(&self) -> Resource {
-        Resource::Texture(self.map.view, ImageUse::SAMPLED.layout)
+        Resource::Texture(self.image.view, ImageUse::SAMPLED.layout)
     }
 
     pub(in super::super) fn sampler(&self) -> Resource {
         Resource::Sampler(self.sampler)
     }
 
-    /// Clears the map and draws the casters into it.
-    pub(in super::super) fn record(&self, commands: &Commands<'_>, casters: impl FnOnce()) {
+    /// Clears the image and draws the casters of each map into it.
+    pub(in super::super) fn record(
+        &self,
+        commands: &Commands<'_>,
+        maps: &[SunMap],
+        casters: impl Fn(&SunMap),
+    ) {
         let unread = ImageUse::discarded(Stage::FRAGMENT_SHADER | ImageUse::DEPTH_ATTACHMENT.stages);
-        let (image, aspect) = (self.map.raw, vk::ImageAspectFlags::DEPTH);
+        let (image, aspect) = (self.image.raw, vk::ImageAspectFlags::DEPTH);
         let transition = |from, to| commands.transition(&[Transition { image, aspect, from, to }]);
         commands.labelled(c"gaitway.shadow", || {
             transition(unread, ImageUse::DEPTH_ATTACHMENT);
-            let depth = depth_attachment(self.map.view, vk::AttachmentStoreOp::STORE);
+            let depth = depth_attachment(self.image.view, vk::AttachmentStoreOp::STORE);
             let rendering = vk::RenderingInfo::default()
-                .render_area(area(self.size, self.size))
+                .render_area(area(self.maps * self.size, self.size))
                 .layer_count(1)
                 .depth_attachment(&depth);
             commands.rendering(&rendering, || {
-                if self.is_on {
-                    casters();
+                for (number, map) in (0..).zip(maps).filter(|_| self.is_on) {
+                    let left = vk::Offset2D { x: number * self.size.cast_signed(), y: 0 };
+                    commands.draw_within(vk::Rect2D { offset: left, ..area(self.size, self.size) });
+                    casters(map);
                 }
             });
             transition(ImageUse::DEPTH_ATTACHMENT, ImageUse::SAMPLED);
