@@ -13,6 +13,7 @@ const LIFT_SLANTED: f32 = 2.3;       // and along their normal where light graze
 const WHOLE_MAP: f32 = 0.0;          // the maps in the image of shadows, from left to right
 const NEAR_MAP: f32 = 1.0;
 const SHADOW_EDGE: f32 = 20.0;       // shadows fade out over the outermost 1/20 of the map
+const SQUARE = vec2<f32>(0.4, 1.2);  // a corner of the turned square that is sampled, texels
 
 // The sky in a unit direction.
 fn sky_color(direction: vec3<f32>) -> vec3<f32> {
@@ -54,9 +55,7 @@ fn sun_samples(map: f32, place: vec2<f32>, depth: f32, corner: vec2<f32>) -> f32
     return lit * 0.25;
 }
 
-const SQUARE = vec2<f32>(0.4, 1.2);  // the corner that is sampled
-
-// How much of a map's shadows is left near its edge, of an edge of 1 / `edge`. Negative beyond it.
+// How far inside of a map a place is, as a share of the map's edge, which is its outermost 1 / `edge`. Negative outside.
 fn within(place: vec2<f32>, edge: f32) -> f32 {
     return (1.0 - max(abs(place.x), abs(place.y))) * edge;
 }

@@ -45,108 +45,6 @@ fn word(number: u16) -> f32 {
     if number.is_multiple_of(2) { away } else { -away }
 }
 
-/// What makes pages: memory of the last one.
-#[derive(Default)]
-pub(super) struct Press {
-    compressor: Compressor<'static>,
-    found: Vec<u16>,
-    plain: Vec<u8>,
-}
-
-impl std::fmt::Debug for Press {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Press").finish_non_exhaustive()
-    }
-}
-
-/// A page of a column, encoded and compressed.
-#[derive(Debug)]
-pub(super) struct ColumnPage {
-    bytes: Vec<u8>,
-    encoding: Encoding,
-    rows: usize,
-    unfolded: usize,
-    /// Words that the dictionary must have.
-    words: u16,
-    /// Least and greatest of whole numbers.
-    range: Option<(i32, i32)>,
-}
-
-/// How a column is written: fast, or as small as it gets. Fast, steps are numbers of words in a dictionary, which need no
-/// compression: a tenth of the time, and a third of a byte more a value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Way {
-    pub(super) kind: Kind,
-    pub(super) is_fast: bool,
-}
-
-impl Way {
-    /// Whether pages are numbers of words, as far as these are near zero, and are not compressed.
-    fn has_words(self) -> bool {
-        self.is_fast && self.kind == Kind::Step
-    }
-
-    fn level(self) -> i32 {
-        match (self.kind, self.is_fast) {
-            (Kind::Exact, true) => HASTY_LEVEL,
-            (Kind::Exact, false) => EXACT_LEVEL,
-            _ => LEVEL,
-        }
-    }
-}
-
-impl ColumnPage {
-    /// Makes a page of values, and of an optional column of which rows have one.
-    pub(super) fn new(
-        way: Way,
-        values: &Values<'_>,
-        has_value: Option<&[bool]>,
-        press: &mut Press,
-    ) -> Result<Self, ParquetError> {
-        let Press { compressor, found, plain } = press;
-        plain.clear();
-        if let Some(has_value) = has_value {
-            levels(plain, has_value);
-        }
-        let (mut needed, mut range) = (0, None);
-        let encoding = match values {
-            // nothing: no reader looks for a dictionary that no page needs
-            Values::Float([]) => Encoding::PLAIN,
-            Values::Float(values) => match look_up(values, found).filter(|_| way.has_words()) {
-                Some(count) => {
-                    words(plain, found, count);
-                    needed = count;
-                    Encoding::RLE_DICTIONARY
-                }
-                None => {
-                    split(plain, values);
-                    Encoding::BYTE_STREAM_SPLIT
-                }
-            },
-            Values::Whole(values) => {
-                range = values.iter().copied().min().zip(values.iter().copied().max());
-                delta(plain, values);
-                Encoding::DELTA_BINARY_PACKED
-            }
-            Values::Flag(values) => {
-                flags(plain, values);
-                Encoding::PLAIN
-            }
-            Values::Double(_) | Values::Word(_) => {
-                return Err(ParquetError::NYI("pages of doubles and words".to_owned()));
-            }
-        };
-        let bytes = if way.has_words() {
-            plain.clone()
-        } else {
-            compressor.set_compression_level(way.level())?;
-            compressor.compress(plain)?
-        };
-        let rows = has_value.map_or(values.len(), <[bool]>::len);
-        Ok(Self { bytes, encoding, rows, unfolded: plain.len(), words: needed, range })
-    }
-}
-
 /// Finished pages, and a dictionary before them.
 pub(super) struct Pages {
     dictionary: Bytes,
@@ -175,38 +73,93 @@ impl ChunkReader for Pages {
 }
 
 /// A column of a row group.
-#[derive(Debug)]
 pub(super) struct Chunk {
-    way: Way,
+    kind: Kind,
     pages: Vec<u8>,
-    /// Words of the dictionary.
+    /// Whether speed goes before size.
+    is_fast: bool,
+    /// Words that the dictionary must have.
     words: u16,
+    compressor: Compressor<'static>,
     encodings: Vec<Encoding>,
     rows: u64,
     unfolded: usize,
     /// Least and greatest of whole numbers.
     range: Option<(i32, i32)>,
+    // memory of the last page
+    found: Vec<u16>,
+    plain: Vec<u8>,
+    folded: Vec<u8>,
+}
+
+impl std::fmt::Debug for Chunk {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Chunk").field("kind", &self.kind).field("rows", &self.rows).finish_non_exhaustive()
+    }
 }
 
 impl Chunk {
-    pub(super) fn new(way: Way) -> Self {
-        let encodings = vec![Encoding::RLE];
-        Self { way, pages: Vec::new(), words: 0, encodings, rows: 0, unfolded: 0, range: None }
+    pub(super) fn new(kind: Kind) -> Result<Self, ParquetError> {
+        Ok(Self {
+            kind,
+            pages: Vec::new(),
+            is_fast: false,
+            words: 0,
+            compressor: Compressor::new(LEVEL)?,
+            encodings: vec![Encoding::RLE],
+            rows: 0,
+            unfolded: 0,
+            range: None,
+            found: Vec::new(),
+            plain: Vec::new(),
+            folded: Vec::new(),
+        })
     }
 
-    /// Appends a page.
-    pub(super) fn push(&mut self, page: ColumnPage) -> Result<(), ParquetError> {
-        let ColumnPage { bytes, encoding, rows, unfolded, words, range } = page;
+    /// Begins a row group that is written fast or, where there are few rows, as small as it gets. Fast, steps are numbers of words in
+    /// a dictionary, which need no compression: a fifth of the time, and a third of a byte more a value.
+    pub(super) fn begin(&mut self, is_fast: bool) -> Result<(), ParquetError> {
+        self.is_fast = is_fast;
+        let level = match (self.kind, is_fast) {
+            (Kind::Exact, true) => HASTY_LEVEL,
+            (Kind::Exact, false) => EXACT_LEVEL,
+            _ => LEVEL,
+        };
+        Ok(self.compressor.set_compression_level(level)?)
+    }
+
+    /// Whether pages are numbers of words, as far as these are near zero, and are not compressed.
+    fn has_words(&self) -> bool {
+        self.is_fast && self.kind == Kind::Step
+    }
+
+    /// Appends a page: values, and of an optional column which rows have one.
+    pub(super) fn page(
+        &mut self,
+        values: &Values<'_>,
+        has_value: Option<&[bool]>,
+    ) -> Result<(), ParquetError> {
+        self.plain.clear();
+        let rows = has_value.map_or(values.len(), <[bool]>::len);
+        if let Some(has_value) = has_value {
+            levels(&mut self.plain, has_value);
+        }
+        let encoding = self.encode(values)?;
         if !self.encodings.contains(&encoding) {
             self.encodings.push(encoding);
         }
-        self.words = self.words.max(words);
-        if let Some((low, high)) = range {
-            let (least, greatest) = self.range.unwrap_or((low, high));
-            self.range = Some((least.min(low), greatest.max(high)));
-        }
+        let unfolded = self.plain.len();
+        let stored = if self.has_words() {
+            &mut self.plain
+        } else {
+            self.folded.clear();
+            self.folded.reserve(zstd::zstd_safe::compress_bound(unfolded));
+            self.compressor.compress_to_buffer(&self.plain, &mut self.folded)?;
+            &mut self.folded
+        };
+        let bytes = Bytes::from(std::mem::take(stored));
         let page = Page::DataPage {
-            buf: bytes.into(),
+            buf: bytes.clone(),
             num_values: u32::try_from(rows).unwrap_or(u32::MAX), // of a page: far less
             encoding,
             def_level_encoding: Encoding::RLE,
@@ -214,56 +167,96 @@ impl Chunk {
             statistics: None,
         };
         self.unfolded += put(&mut self.pages, CompressedPage::new(page, unfolded))?;
+        *stored = Vec::from(bytes); // its memory: the page is gone
         self.rows += rows as u64;
         Ok(())
     }
 
-    /// Ends the column: hands its bytes over, with what the file says of them.
+    /// Appends values to the page.
+    fn encode(&mut self, values: &Values<'_>) -> Result<Encoding, ParquetError> {
+        let has_words = self.has_words();
+        let out = &mut self.plain;
+        match values {
+            // nothing: no reader looks for a dictionary that no page needs
+            Values::Float([]) => Ok(Encoding::PLAIN),
+            Values::Float(values) => {
+                if has_words && let Some(needed) = look_up(values, &mut self.found) {
+                    words(out, &self.found, needed);
+                    self.words = self.words.max(needed);
+                    return Ok(Encoding::RLE_DICTIONARY);
+                }
+                split(out, values);
+                Ok(Encoding::BYTE_STREAM_SPLIT)
+            }
+            Values::Whole(values) => {
+                let (least, greatest) = self.range.unwrap_or((i32::MAX, i32::MIN));
+                let own = values.iter().fold((least, greatest), |(low, high), v| (low.min(*v), high.max(*v)));
+                self.range = Some(own);
+                delta(out, values);
+                Ok(Encoding::DELTA_BINARY_PACKED)
+            }
+            Values::Flag(values) => {
+                flags(out, values);
+                Ok(Encoding::PLAIN)
+            }
+            Values::Double(_) | Values::Word(_) => {
+                Err(ParquetError::NYI("pages of doubles and words".to_owned()))
+            }
+        }
+    }
+
+    /// Ends the column: hands its bytes over, with what the file says of them, and is empty again.
     pub(super) fn hand_over(
-        mut self,
+        &mut self,
         column: ColumnDescPtr,
         append: impl FnOnce(&Pages, ColumnCloseResult) -> Result<(), ParquetError>,
     ) -> Result<(), ParquetError> {
         let mut head = Vec::new();
-        if self.words > 0 {
-            let words: Vec<u8> = (0..self.words).flat_map(|number| word(number).to_le_bytes()).collect();
+        let count = std::mem::take(&mut self.words);
+        if count > 0 {
+            let words: Vec<u8> = (0..count).flat_map(|number| word(number).to_le_bytes()).collect();
             let size = words.len();
             let page = Page::DictionaryPage {
                 buf: words.into(),
-                num_values: self.words.into(),
+                num_values: count.into(),
                 encoding: Encoding::PLAIN,
                 is_sorted: false,
             };
             self.unfolded += put(&mut head, CompressedPage::new(page, size))?;
             self.encodings.push(Encoding::PLAIN);
         }
-        let pages = Pages { data: Bytes::from(self.pages), dictionary: Bytes::from(head) };
-        let compression = match self.way.has_words() {
+        let head = Bytes::from(head);
+        let pages = Pages { data: Bytes::from(std::mem::take(&mut self.pages)), dictionary: head };
+        let compression = match self.has_words() {
             true => Compression::UNCOMPRESSED,
             false => Compression::ZSTD(ZstdLevel::default()),
         };
         let signed = |size: u64| i64::try_from(size).unwrap_or(i64::MAX); // of memory
         let mut metadata = ColumnChunkMetaData::builder(column)
             .set_compression(compression)
-            .set_encodings(self.encodings)
+            .set_encodings(std::mem::replace(&mut self.encodings, vec![Encoding::RLE]))
             .set_total_compressed_size(signed(pages.len()))
             .set_total_uncompressed_size(signed(self.unfolded as u64))
             .set_num_values(signed(self.rows))
             .set_dictionary_page_offset((!pages.dictionary.is_empty()).then_some(0))
             .set_data_page_offset(signed(pages.dictionary.len() as u64));
-        if let Some((least, greatest)) = self.range {
+        if let Some((least, greatest)) = self.range.take() {
             metadata =
                 metadata.set_statistics(Statistics::int32(Some(least), Some(greatest), None, Some(0), false));
         }
         let close = ColumnCloseResult {
             bytes_written: pages.len(),
-            rows_written: self.rows,
+            rows_written: std::mem::take(&mut self.rows),
             metadata: metadata.build()?,
             bloom_filter: None,
             column_index: None,
             offset_index: None,
         };
-        append(&pages, close)
+        self.unfolded = 0;
+        append(&pages, close)?;
+        self.pages = Vec::from(pages.data);
+        self.pages.clear();
+        Ok(())
     }
 }
 

@@ -123,10 +123,10 @@ impl Table {
         group.close().map(drop)
     }
 
-    /// Appends a row group of columns that are encoded already.
-    pub(super) fn append(&mut self, chunks: Vec<Chunk>) -> Result<(), ParquetError> {
+    /// Appends a row group of columns that are encoded already. The chunks are empty afterwards.
+    pub(super) fn append(&mut self, chunks: &mut [Chunk]) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
-        for (chunk, column) in chunks.into_iter().zip(&self.columns) {
+        for (chunk, column) in chunks.iter_mut().zip(&self.columns) {
             chunk.hand_over(column.clone(), |pages, close| group.append_column(pages, close))?;
         }
         group.close().map(drop)

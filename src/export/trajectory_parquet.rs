@@ -13,7 +13,7 @@ use super::atomic::wrong;
 use super::columns::{AREA_KEY, FRAME_RATE_KEY, agents_path};
 use super::parquet_table::{Table, refused};
 use super::trajectory::Frame;
-use super::trajectory_rows::{COLUMNS, Copied, Group, Rows};
+use super::trajectory_rows::{COLUMNS, Copied, Rows};
 use crate::file::Partial;
 use crate::ground::is_absent;
 use parquet::errors::ParquetError;
@@ -79,8 +79,9 @@ impl Parquet {
             path: path.to_owned(),
             table,
             written,
-            group: Group::default(),
-            rows: Rows::default(),
+            frames: Vec::new(),
+            count: 0,
+            rows: Rows::new().map_err(refused(path))?,
             are_people: agents.iter().map(|agent| agent.kind == AgentKind::Person).collect(),
             area,
         };
@@ -157,9 +158,9 @@ struct Writer {
     table: Table,
     /// Takes the memory of frames back.
     written: Sender<Copied>,
-    /// The next row group.
-    group: Group,
-    /// Memory of the last page.
+    /// Frames of the next row group, and its rows.
+    frames: Vec<Copied>,
+    count: usize,
     rows: Rows,
     are_people: Vec<bool>,
     area: Option<Area>,
@@ -171,10 +172,9 @@ impl Writer {
         for message in receiver {
             let Message::Frame(frame) = message else { return Ok(true) };
             self.visit(&frame);
-            let Group { frames, count } = &mut self.group;
-            *count += frame.positions.iter().filter(|place| !is_absent(place.to_array())).count();
-            frames.push(frame);
-            if *count >= MOST || *count >= GROUP && frames.len() >= FRAMES {
+            self.count += frame.positions.iter().filter(|place| !is_absent(place.to_array())).count();
+            self.frames.push(frame);
+            if self.count >= MOST || self.count >= GROUP && self.frames.len() >= FRAMES {
                 self.flush().map_err(refused(&self.path))?;
             }
         }
@@ -191,7 +191,7 @@ impl Writer {
             self.table.note(AREA_KEY, wkt);
             ground = found;
         }
-        let rest = if self.group.count == 0 { Ok(()) } else { self.flush() };
+        let rest = if self.count == 0 { Ok(()) } else { self.flush() };
         let path = std::mem::take(&mut self.path);
         let file = rest.and_then(|()| self.table.complete()).map_err(refused(&path))?;
         Ok(Some((file, ground)))
@@ -214,15 +214,11 @@ impl Writer {
     fn flush(&mut self) -> Result<(), ParquetError> {
         let are_people = &self.are_people;
         let is_person = |agent: usize| are_people.get(agent).copied().unwrap_or(true);
-        let mut chunks = self.group.chunks();
-        for part in self.group.parts() {
-            let pages = self.group.pages(part, is_person, &mut self.rows)?;
-            chunks.iter_mut().zip(pages).try_for_each(|(chunk, page)| chunk.push(page))?;
-        }
-        self.table.append(chunks)?;
-        for frame in std::mem::take(&mut self.group).frames {
+        self.rows.write(&mut self.table, &self.frames, self.count, is_person)?;
+        for frame in self.frames.drain(..) {
             let _ = self.written.send(frame); // not taken once the simulation has ended
         }
+        self.count = 0;
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! Rows of a Parquet file of trajectories: frames, which hold a list for each fact, become pages of columns by agent, then by frame.
 
 use super::columns::{EMOTIONS, FRAME, HEADING, ID, IS_PERSON, VX, VY, X, Y};
-use super::parquet_chunk::{Chunk, ColumnPage, Press, STEPS, WHOLE, Way};
-use super::parquet_table::{ColumnOf, Kind, PAGE, Values};
+use super::parquet_chunk::{Chunk, STEPS, WHOLE};
+use super::parquet_table::{ColumnOf, Kind, PAGE, Table, Values};
 use crate::ground::is_absent;
 use glam::Vec2;
 use parquet::errors::ParquetError;
@@ -44,56 +44,8 @@ pub(super) struct Copied {
     pub(super) emotions: Vec<[f32; 4]>,
 }
 
-/// The frames of a row group.
-#[derive(Debug, Default)]
-pub(super) struct Group {
-    pub(super) frames: Vec<Copied>,
-    /// Rows: agents that are there, over all frames.
-    pub(super) count: usize,
-}
-
-impl Group {
-    fn agents(&self) -> usize {
-        self.frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0)
-    }
-
-    /// Agents whose rows are a page each, about as many rows as pages have.
-    pub(super) fn parts(&self) -> Vec<Range<usize>> {
-        let page = if self.count >= FAST { FAST_PAGE } else { PAGE };
-        let agents = self.agents();
-        let at_once = (page * agents).div_ceil(self.count.max(1)).max(1);
-        (0..agents).step_by(at_once).map(|first| first..agents.min(first + at_once)).collect()
-    }
-
-    /// Empty columns for its pages.
-    pub(super) fn chunks(&self) -> Vec<Chunk> {
-        COLUMNS.iter().map(|column| Chunk::new(self.way(column))).collect()
-    }
-
-    fn way(&self, column: &ColumnOf) -> Way {
-        Way { kind: column.kind, is_fast: self.count >= FAST }
-    }
-
-    /// A page of every column, of the rows of some agents, by agent, then by frame: none where none of them is there.
-    pub(super) fn pages(
-        &self,
-        agents: Range<usize>,
-        is_person: impl Fn(usize) -> bool,
-        rows: &mut Rows,
-    ) -> Result<Vec<ColumnPage>, ParquetError> {
-        rows.clear();
-        let at_once = (BLOCK / self.frames.len().max(1)).max(1);
-        for first in agents.clone().step_by(at_once) {
-            let block = Block { frames: &self.frames, agents: first..agents.end.min(first + at_once) };
-            let people: Vec<bool> = block.agents.clone().map(&is_person).collect();
-            rows.append(&block, &people);
-        }
-        if rows.id.is_empty() { Ok(Vec::new()) } else { rows.pages(|column| self.way(column)) }
-    }
-}
-
-/// Memory for the rows of a page.
-#[derive(Debug, Default)]
+/// Rows of the next page, and the columns of the row group so far.
+#[derive(Debug)]
 pub(super) struct Rows {
     frame: Vec<i32>,
     id: Vec<i32>,
@@ -105,10 +57,53 @@ pub(super) struct Rows {
     is_person: Vec<bool>,
     emotion: [Vec<f32>; 4],
     has_emotion: Vec<bool>,
-    press: Press,
+    chunks: Vec<Chunk>,
 }
 
 impl Rows {
+    pub(super) fn new() -> Result<Self, ParquetError> {
+        Ok(Self {
+            frame: Vec::new(),
+            id: Vec::new(),
+            x: Vec::new(),
+            y: Vec::new(),
+            heading: Vec::new(),
+            velocity: Default::default(),
+            has_velocity: Vec::new(),
+            is_person: Vec::new(),
+            emotion: Default::default(),
+            has_emotion: Vec::new(),
+            chunks: COLUMNS.iter().map(|column| Chunk::new(column.kind)).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Writes a row group of some frames, by agent, then by frame: agents that are there. `count` is how many rows these are.
+    pub(super) fn write(
+        &mut self,
+        table: &mut Table,
+        frames: &[Copied],
+        count: usize,
+        is_person: impl Fn(usize) -> bool,
+    ) -> Result<(), ParquetError> {
+        let is_fast = count >= FAST;
+        self.chunks.iter_mut().try_for_each(|chunk| chunk.begin(is_fast))?;
+        let page = if is_fast { FAST_PAGE } else { PAGE };
+        let agents = frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0);
+        let at_once = (BLOCK / frames.len().max(1)).max(1);
+        for first in (0..agents).step_by(at_once) {
+            let block = Block { frames, agents: first..agents.min(first + at_once) };
+            let people: Vec<bool> = block.agents.clone().map(&is_person).collect();
+            self.append(&block, &people);
+            if self.id.len() >= page {
+                self.page()?;
+            }
+        }
+        if !self.id.is_empty() {
+            self.page()?;
+        }
+        table.append(&mut self.chunks)
+    }
+
     fn append(&mut self, block: &Block<'_>, people: &[bool]) {
         let there = block.mask(|frame| &frame.positions, |_, place| !is_absent(place.to_array()));
         let moves = there.and(&block.mask(|frame| &frame.velocities, |_, _| true));
@@ -141,8 +136,8 @@ impl Rows {
         there.levels(&mut self.has_emotion, &feels);
     }
 
-    /// A page of every column.
-    fn pages(&mut self, way: impl Fn(&ColumnOf) -> Way) -> Result<Vec<ColumnPage>, ParquetError> {
+    /// Ends a page of every column.
+    fn page(&mut self) -> Result<(), ParquetError> {
         let [vx, vy] = &self.velocity;
         let [happy, angry, sad, neutral] = &self.emotion;
         let (moves, feels) = (Some(self.has_velocity.as_slice()), Some(self.has_emotion.as_slice()));
@@ -160,10 +155,11 @@ impl Rows {
             (Values::Float(sad), feels),
             (Values::Float(neutral), feels),
         ];
-        let page = |(column, (values, has_value)): (&ColumnOf, (Values<'_>, _))| {
-            ColumnPage::new(way(column), &values, has_value, &mut self.press)
-        };
-        COLUMNS.iter().zip(columns).map(page).collect()
+        for (chunk, (values, has_value)) in self.chunks.iter_mut().zip(columns) {
+            chunk.page(&values, has_value)?;
+        }
+        self.clear();
+        Ok(())
     }
 
     /// Empties the columns and keeps their memory.
@@ -336,7 +332,7 @@ fn round(values: &mut [f32]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parquet_table::{Table, refused};
+    use super::super::parquet_table::refused;
     use super::*;
     use crate::ground::ABSENT;
     use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -349,7 +345,7 @@ mod tests {
     }
 
     /// Frames of agents that come and go, stand, walk, or fly, with and without velocities and feelings.
-    fn frames(agents: u16, count: u32) -> Vec<Copied> {
+    fn frames(agents: u16, count: u32, apart: u32) -> Vec<Copied> {
         let frame = |number: u32| {
             let time = number as f32 * 0.1;
             let is_there = |agent: u16| agent % 7 != 3 || (u32::from(agent) % 50..60).contains(&number);
@@ -365,7 +361,7 @@ mod tests {
             let all = || 0..agents;
             let (moves, feels) = (number % 40 != 17, number >= count / 3);
             Copied {
-                number,
+                number: number * apart,
                 positions: all().map(place).collect(),
                 headings: all().map(|agent| f32::from(agent).sin() * 3.1).collect(),
                 velocities: all()
@@ -403,19 +399,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.parquet");
         let is_person = |agent: usize| !agent.is_multiple_of(13);
-        let groups = [(frames(1500, 100), FAST), (frames(40, 90), 0), (frames(700, 9), FAST)];
+        // numbers of frames whose differences take few bits, 16, and more
+        let groups = [
+            (frames(1500, 100, 1), FAST),
+            (frames(40, 90, 1), 0),
+            (frames(700, 9, 20_000), FAST),
+            (frames(50, 9, 7_000), 0),
+        ];
         let mut table = Table::create(&path, &COLUMNS).unwrap();
-        let mut rows = Rows::default();
+        let mut rows = Rows::new().unwrap();
         let mut expected: Vec<Cells> = Vec::new();
-        for (frames, count) in groups {
-            let group = Group { frames, count };
-            let mut chunks = group.chunks();
-            for part in group.parts() {
-                let pages = group.pages(part, is_person, &mut rows).unwrap();
-                chunks.iter_mut().zip(pages).for_each(|(chunk, page)| chunk.push(page).unwrap());
-            }
-            table.append(chunks).unwrap();
-            let group = group.frames;
+        for (group, count) in &groups {
+            rows.write(&mut table, group, *count, is_person).unwrap();
             for agent in 0..group[0].positions.len() {
                 for frame in group.iter().filter(|frame| !is_absent(frame.positions[agent].to_array())) {
                     let bits = |value: f32| Some(value.to_bits());

@@ -309,13 +309,13 @@ impl Renderer {
         let [from, to] = frame::BEFORE;
         commands.barrier(from, to);
         let (uniforms, sun) = frame.uniforms(self.shadow.size());
-        self.uniforms.update(commands, &uniforms, sun.near_from_world());
+        let near = sun.near_from_world();
+        self.uniforms.update(commands, &uniforms, near);
         self.user.update(commands);
         let [from, to] = frame::UNIFORMS;
         commands.barrier(from, to);
         let whole = SunMap { shadow_from_world: sun.shadow_from_world, pass: 0, is_near: false };
         let eye_passes = eye_passes(&self.settings) as usize;
-        let near = sun.near_from_world();
         let near =
             near.map(|shadow_from_world| SunMap { shadow_from_world, pass: eye_passes, is_near: true });
         let maps: Vec<SunMap> = std::iter::once(whole).chain(near).collect();

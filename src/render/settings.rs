@@ -128,7 +128,7 @@ pub struct Settings {
     pub occlusion: Occlusion,
     /// Where the arguments of the crowd's draws come from.
     pub draws: Draws,
-    /// Texels a side of the shadow map; 0 draws no shadows.
+    /// Texels a side of the shadow map, and of the finer one that medium and high quality have near the eyes; 0 draws no shadows.
     pub shadow_size: u32,
     /// How much is spent on light and surfaces.
     pub quality: Quality,
