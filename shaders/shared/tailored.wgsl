@@ -3,6 +3,8 @@
 
 const PLAIN: u32 = 32u; // of a vertex whose part the body's own outfit has
 const BEARD_SHADE: f32 = 0.75;
+const UPPER: f32 = 0.02;        // what of a shoe is brighter than this is no sole
+const RUBBER: vec3<f32> = vec3<f32>(0.62, 0.62, 0.58);
 
 // What outfits do to a vertex: part (5 bits), plain (1), growth in mm (8, signed, from bit 8), height of the collar in mm (16).
 fn tailoring_of(vertex: u32) -> u32 {
@@ -18,7 +20,7 @@ fn part_of(tailored: u32) -> u32 {
 
 // Whether the part of a vertex is worn.
 fn wears(own: Outfit, tailored: u32) -> bool {
-    if (own.worn & DRESSED) == 0u {
+    if own.worn == 0u {
         return (tailored & PLAIN) != 0u;
     }
     return has(own, part_of(tailored));
@@ -50,6 +52,10 @@ fn clothed(color: vec3<f32>, bits: u32, own: Outfit, tailored: u32, colors: vec2
         if is_worn {
             return tinted(vec3<f32>(BEARD_SHADE), MATERIAL_HAIR, colors);
         }
+    } else if part == SNEAKERS {
+        if is_worn {
+            return select(RUBBER, extra_color(own), color.x > UPPER);
+        }
     } else if part >= FIRST_COVER && part != TORSO {
         if !is_worn {
             return tinted(vec3<f32>(1.0), MATERIAL_SKIN, colors);
@@ -61,7 +67,7 @@ fn clothed(color: vec3<f32>, bits: u32, own: Outfit, tailored: u32, colors: vec2
             shade = vec3<f32>(1.0);
         }
     }
-    if part == CAP || part == PEAK || part == BACKPACK {
+    if part == CAP || part == PEAK || part == BRIM || part == BACKPACK {
         return shade * extra_color(own);
     }
     if (part == SKIRT || part == BARE_LEGS) && material == MATERIAL_BOTTOM && has(own, DRESS) {
@@ -75,6 +81,7 @@ fn clothed(color: vec3<f32>, bits: u32, own: Outfit, tailored: u32, colors: vec2
 // What a top looks like.
 const OPENING: vec3<f32> = vec3<f32>(0.022, 0.058, 0.9); // half width of an open front at the hem and at the collar; shade of lapels
 const LAPEL: f32 = 0.012;        // m
+const COAT_EDGE: vec2<f32> = vec2<f32>(0.006, 0.35); // half width, m, and shade
 const CUT: vec2<f32> = vec2<f32>(0.095, 0.55); // a neck is cut so deep, m, and so broad for its depth
 const STRIPE: vec2<f32> = vec2<f32>(0.046, 0.4); // from one to the next, m, and its share
 const BUTTON: vec3<f32> = vec3<f32>(0.085, 0.0058, 0.014); // from one to the next, radius, half width of the placket, m
@@ -93,6 +100,9 @@ fn patterned(albedo: vec3<f32>, rest: vec3<f32>, own: Outfit, tailored: u32, col
     let part = part_of(tailored);
     let is_sleeve = part == UPPER_SLEEVE || part == LOWER_SLEEVE;
     let is_front = part == TORSO || part == JACKET;
+    if part == COAT && rest.z > 0.0 {
+        return albedo * mix(1.0, COAT_EDGE.y, inside(abs(rest.x) - COAT_EDGE.x, blur)); // where its halves meet
+    }
     if !(is_sleeve || is_front) || !wears(own, tailored) {
         return albedo;
     }

@@ -3,7 +3,7 @@
 
 use super::body_model::Mesh;
 use crate::gait::walker::Sex;
-use crate::kernels::shared::outfit::{DRESSED, FIRST_COVER};
+use crate::kernels::shared::outfit::FIRST_COVER;
 use crate::kernels::shared::tailored::PLAIN;
 
 /// What outfits do to a vertex.
@@ -75,7 +75,7 @@ impl Outfit {
         if vertex.part == 0 || vertex.part >= FIRST_COVER {
             return true;
         }
-        if self.worn & DRESSED == 0 { vertex.is_plain } else { self.has(vertex.part) }
+        if self.worn == 0 { vertex.is_plain } else { self.has(vertex.part) }
     }
 }
 
@@ -90,7 +90,7 @@ mod tests {
         let vertex = |part: u32, is_plain: bool| Tailoring { part, is_plain, growth: 0.0 };
         assert!(plain.shows(&vertex(0, false)) && plain.shows(&vertex(SKIRT, true)));
         assert!(!plain.shows(&vertex(TROUSERS, false)) && plain.shows(&vertex(LOWER_SLEEVE, false)));
-        let dressed = Outfit { worn: DRESSED | 1 << TROUSERS, colors: 0 };
+        let dressed = Outfit { worn: 1 << TROUSERS, colors: 0 };
         assert!(dressed.shows(&vertex(TROUSERS, false)) && !dressed.shows(&vertex(SKIRT, true)));
     }
 

@@ -35,6 +35,7 @@ pub mod departures;
 mod error;
 #[doc(hidden)]
 pub mod flow;
+mod hair;
 mod islands;
 pub mod measure;
 pub(crate) mod measured;

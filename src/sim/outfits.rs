@@ -2,14 +2,15 @@
 
 use super::avatar_set::AvatarSet;
 use super::bodies::MeshBuffers;
+use super::hair::{hair_of, is_child};
 use crate::avatar::wardrobe::{Clothes, Outfit};
 use crate::gait::walker::Sex;
 use crate::kernels::Store;
 use crate::kernels::layout::Appearance;
 use crate::kernels::shared::body::index::VERTEX_STRIDE;
 use crate::kernels::shared::outfit::{
-    BACKPACK, BARE_LEGS, BEARD, BUN, BUTTONS, CAP, DRESS, DRESSED, GLASSES, HAIR_DOWN, HAIR_UP, JACKET,
-    LOWER_LEG, LOWER_SLEEVE, OPEN, PEAK, PONYTAIL, SKIRT, STRIPES, TORSO, TROUSERS, UPPER_SLEEVE, V_NECK,
+    BACKPACK, BARE_LEGS, BEARD, BRIM, BUTTONS, CAP, COAT, DRESS, GLASSES, JACKET, LOWER_LEG, LOWER_SLEEVE,
+    OPEN, PEAK, SKIRT, SNEAKERS, STRIPES, TORSO, TROUSERS, UPPER_SLEEVE, V_NECK,
 };
 use crate::scenario::random::{Purpose, bits, fraction, index};
 
@@ -23,15 +24,17 @@ const EXTRA: [u32; 9] =
 mod shares {
     pub(super) const JACKET: f32 = 0.34;
     pub(super) const OPEN_JACKET: f32 = 0.62;
+    /// Of jackets.
+    pub(super) const COAT: f32 = 0.24;
     pub(super) const LONG_SLEEVES: f32 = 0.5;
     pub(super) const SLEEVELESS: f32 = 0.16;
     pub(super) const SKIRT: f32 = 0.36;
     pub(super) const DRESS: f32 = 0.4;
     pub(super) const SHORTS: f32 = 0.14;
-    pub(super) const HAIR_UP: f32 = 0.5;
-    pub(super) const BUN: f32 = 0.4;
     pub(super) const BEARD: f32 = 0.25;
-    pub(super) const CAP: f32 = 0.1;
+    pub(super) const SNEAKERS: f32 = 0.35;
+    /// Of hair that a hat fits over: a cap with a peak, a hat with a brim, a cap of wool.
+    pub(super) const HATS: [f32; 3] = [0.08, 0.05, 0.04];
     pub(super) const GLASSES: f32 = 0.18;
     pub(super) const BACKPACK: f32 = 0.17;
     /// Of tops without a jacket: buttons, then a neck cut out, then stripes.
@@ -70,6 +73,9 @@ fn outfit_of(sex: Sex, agent: u32, own: &Appearance) -> Outfit {
         if chance(1, shares::OPEN_JACKET) {
             parts.push(OPEN);
         }
+        if chance(15, shares::COAT) {
+            parts.push(COAT);
+        }
     } else {
         let style = fraction(bits(seed, agent, Purpose::Clothes, 2));
         let [buttons, neck, stripes] = shares::TOPS;
@@ -91,22 +97,25 @@ fn outfit_of(sex: Sex, agent: u32, own: &Appearance) -> Outfit {
             if has_jacket || !chance(5, shares::SHORTS) {
                 parts.push(LOWER_LEG);
             }
-            if chance(9, shares::BEARD) {
+            if chance(9, shares::BEARD) && !is_child(own) {
                 parts.push(BEARD);
             }
         }
     }
-    for (draw, share, worn) in [
-        (10, shares::CAP, [CAP, PEAK].as_slice()),
-        (11, shares::GLASSES, &[GLASSES]),
-        (12, shares::BACKPACK, &[BACKPACK]),
-    ] {
+    let (hair, is_flat) = hair_of(sex, own, fraction(bits(seed, agent, Purpose::Clothes, 7)));
+    parts.extend(hair);
+    if is_flat {
+        parts.extend(hat(fraction(bits(seed, agent, Purpose::Clothes, 10))));
+    }
+    for (draw, share, worn) in
+        [(11, shares::GLASSES, GLASSES), (12, shares::BACKPACK, BACKPACK), (16, shares::SNEAKERS, SNEAKERS)]
+    {
         if chance(draw, share) {
-            parts.extend(worn);
+            parts.push(worn);
         }
     }
     Outfit {
-        worn: parts.into_iter().fold(DRESSED, |worn, part| worn | 1 << part),
+        worn: parts.into_iter().fold(0, |worn, part| worn | 1 << part),
         colors: pick(13, &OUTER) | pick(14, &EXTRA) << 16,
     }
 }
@@ -120,10 +129,15 @@ fn of_woman(chance: &dyn Fn(u32, f32) -> bool, parts: &mut Vec<u32>) {
     } else {
         parts.push(TROUSERS);
     }
-    if chance(7, shares::HAIR_UP) {
-        parts.extend([HAIR_UP, if chance(8, shares::BUN) { BUN } else { PONYTAIL }]);
-    } else {
-        parts.push(HAIR_DOWN);
+}
+
+fn hat(draw: f32) -> &'static [u32] {
+    let [peak, brim, wool] = shares::HATS;
+    match draw {
+        _ if draw < peak => &[CAP, PEAK],
+        _ if draw < peak + brim => &[CAP, BRIM],
+        _ if draw < peak + brim + wool => &[CAP],
+        _ => &[],
     }
 }
 
@@ -132,6 +146,9 @@ mod tests {
     use super::*;
     use crate::avatar::wardrobe::Tailoring;
     use crate::avatar::{self, Mesh};
+    use crate::kernels::shared::outfit::{
+        BALD, BUN, CROPPED, HAIR_LONG, HAIR_UP, KNOT, OWN_HAIR, PLAITS, PONYTAIL, ROUND, SWEPT,
+    };
     use std::collections::HashSet;
 
     fn agents(sex: Sex) -> impl Iterator<Item = Outfit> {
@@ -148,16 +165,22 @@ mod tests {
         for (sex, outfit) in &all {
             let has = |part| outfit.has(part);
             assert_eq!(has(SKIRT), has(BARE_LEGS), "{outfit:?}");
-            assert_eq!(has(CAP), has(PEAK), "{outfit:?}");
+            assert!(has(CAP) || !(has(PEAK) || has(BRIM)), "{outfit:?}");
+            assert!(!has(PEAK) || !has(BRIM), "{outfit:?}");
+            assert!(!has(CAP) || !(has(ROUND) || has(KNOT) || has(SWEPT)), "{outfit:?}");
+            assert!(!has(COAT) || has(JACKET), "{outfit:?}");
+            let shells = [OWN_HAIR, HAIR_UP, HAIR_LONG, CROPPED, SWEPT, ROUND, BALD];
+            assert_eq!(shells.into_iter().filter(|part| has(*part)).count(), 1, "{outfit:?}");
+            let tied = [PONYTAIL, BUN, PLAITS, KNOT].into_iter().filter(|part| has(*part)).count();
+            assert_eq!(tied, usize::from(has(HAIR_UP)), "{outfit:?}");
             assert!(!has(LOWER_SLEEVE) || has(UPPER_SLEEVE), "{outfit:?}");
             assert!(!has(JACKET) || has(LOWER_SLEEVE), "{outfit:?}");
             assert!(!has(OPEN) || has(JACKET), "{outfit:?}");
             assert!(!has(JACKET) || !(has(BUTTONS) || has(STRIPES) || has(V_NECK)), "{outfit:?}");
             let is_woman = *sex == Sex::Female;
             assert_eq!(has(TROUSERS) || has(SKIRT), is_woman, "{outfit:?}");
-            assert_eq!(has(HAIR_UP) || has(HAIR_DOWN), is_woman, "{outfit:?}");
+            assert!(!has(BALD) || !is_woman, "{outfit:?}");
             assert!(!has(TROUSERS) || !has(SKIRT), "{outfit:?}");
-            assert!(!has(HAIR_UP) || !has(HAIR_DOWN), "{outfit:?}");
             assert!(!has(DRESS) || has(SKIRT), "{outfit:?}");
             assert!(!has(BEARD) || !is_woman, "{outfit:?}");
         }

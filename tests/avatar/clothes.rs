@@ -6,7 +6,7 @@ use gaitway::avatar::wardrobe::{Outfit, Tailoring};
 use gaitway::avatar::{Material, Mesh, Sex, Vertex, generated};
 use gaitway::gait::walker;
 use gaitway::kernels::shared::outfit::{
-    BARE_LEGS, DRESSED, HAIR_DOWN, JACKET, LOWER_LEG, LOWER_SLEEVE, SKIRT, TORSO, TROUSERS, UPPER_SLEEVE,
+    BARE_LEGS, COAT, JACKET, LOWER_LEG, LOWER_SLEEVE, SKIRT, TORSO, TROUSERS, UPPER_SLEEVE,
 };
 use glam::{Mat4, Quat, Vec3};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ enum Shown {
 
 fn shown(vertex: &Vertex, own: &Tailoring) -> Shown {
     match (own.part, vertex.material) {
-        (SKIRT | TROUSERS | JACKET | TORSO, _) => Shown::Cloth,
+        (SKIRT | TROUSERS | JACKET | COAT | TORSO, _) => Shown::Cloth,
         (BARE_LEGS | LOWER_LEG, Material::Skin) => Shown::Skin,
         _ => Shown::Other,
     }
@@ -38,13 +38,14 @@ fn shown(vertex: &Vertex, own: &Tailoring) -> Shown {
 /// The outfits that have something over skin.
 fn outfits(sex: Sex) -> Vec<Outfit> {
     let with = |parts: &[u32]| {
-        let worn = parts.iter().fold(DRESSED | 1 << TORSO | 1 << UPPER_SLEEVE, |worn, part| worn | 1 << part);
+        let worn = parts.iter().fold(1 << TORSO | 1 << UPPER_SLEEVE, |worn, part| worn | 1 << part);
         Outfit { worn, colors: 0 }
     };
     match sex {
         Sex::Female => vec![
-            with(&[SKIRT, BARE_LEGS, HAIR_DOWN]),
+            with(&[SKIRT, BARE_LEGS]),
             with(&[SKIRT, BARE_LEGS, JACKET, LOWER_SLEEVE]),
+            with(&[SKIRT, BARE_LEGS, JACKET, COAT, LOWER_SLEEVE]),
             with(&[TROUSERS, JACKET, LOWER_SLEEVE]),
         ],
         Sex::Male => vec![with(&[LOWER_LEG]), with(&[JACKET, LOWER_SLEEVE, LOWER_LEG])],

@@ -7,7 +7,7 @@ use gaitway::avatar::{Avatar, Sex, generated};
 use gaitway::gait::walker;
 use gaitway::gpu::Device;
 use gaitway::kernels::layout::Appearance;
-use gaitway::kernels::shared::outfit::{CAP, DRESSED, JACKET, LOWER_SLEEVE, STRIPES, TORSO};
+use gaitway::kernels::shared::outfit::{CAP, JACKET, LOWER_SLEEVE, SNEAKERS, STRIPES, TORSO};
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Image, Quality, Renderer, Settings};
 use glam::{Vec2, Vec3};
@@ -20,7 +20,7 @@ const GREEN: u32 = 0x00_b000;
 const WHITE: u32 = 0xff_ffff;
 
 fn dressed(parts: &[u32]) -> Outfit {
-    let worn = parts.iter().fold(DRESSED, |worn, part| worn | 1 << part);
+    let worn = parts.iter().fold(0, |worn, part| worn | 1 << part);
     Outfit { worn, colors: Appearance::color_bits(GREEN) | Appearance::color_bits(WHITE) << 16 }
 }
 
@@ -122,14 +122,28 @@ fn a_cover_is_cloth_where_it_is_worn_and_otherwise_skin() {
             lit(&image, &view, x, 1.1)
         };
         assert_eq!(of(&[LOWER_SLEEVE], 0.0), RED, "{quality:?}: the colour of the top");
-        assert_eq!(of(&[], 0.0), YELLOW, "{quality:?}: skin");
+        assert_eq!(of(&[TORSO], 0.0), YELLOW, "{quality:?}: skin");
         assert_eq!(of(&[LOWER_SLEEVE, JACKET], 0.0), [false, true, false], "{quality:?}: the jacket's");
         // where nothing covers it an arm is thinner
         let is_as_wide = |parts: &[u32]| {
             let [thin, wide] = [&body, &own].map(|body| draw(&device, body, Some(dressed(parts)), quality).0);
             thin == wide
         };
-        assert!(is_as_wide(&[LOWER_SLEEVE]) && !is_as_wide(&[]), "{quality:?}");
+        assert!(is_as_wide(&[LOWER_SLEEVE]) && !is_as_wide(&[TORSO]), "{quality:?}");
+    }
+    gpu::assert_silent();
+}
+
+#[test]
+fn sneakers_have_the_colour_of_caps_and_other_shoes_their_own() {
+    let Some(device) = device() else { return };
+    for quality in [Quality::Low, Quality::Medium] {
+        let of = |parts: &[u32]| {
+            let (image, view) = draw(&device, &body(SNEAKERS, 0.0), Some(dressed(parts)), quality);
+            lit(&image, &view, 0.0, 1.1)
+        };
+        assert_eq!(of(&[TORSO]), RED, "{quality:?}: as the mesh is painted");
+        assert_eq!(of(&[TORSO, SNEAKERS]), [true; 3], "{quality:?}: white");
     }
     gpu::assert_silent();
 }

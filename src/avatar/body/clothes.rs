@@ -1,17 +1,15 @@
-//! What the two bodies may wear beside their own outfits: trousers, jackets, other hair, caps, glasses, backpacks. One mesh, of
-//! which an agent shows the parts that its outfit has.
+//! What the two bodies may wear beside their own outfits: trousers, jackets, coats, hats, glasses, backpacks, and the hair of
+//! `hair`. One mesh, of which an agent shows the parts that its outfit has.
 
 use super::face::{EYE_AT, EYE_DEPTH};
-use super::head::{Cut, Skin, Skull};
-use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
+use super::head::{Skin, Skull};
+use super::shape::{Builder, Cap, Paint, Shares, level_ring};
 use super::trunk::{LOWER_SQUARE, Row, TRUNK_SIDES, UPPER_SQUARE, rings, rows_of, tilt_collar};
-use super::{BOTTOM, HAIR, Made, Material, Measures, Sex, TOP};
+use super::{BOTTOM, Made, Material, Measures, Sex, TOP};
 use crate::gait::{JOINT_COUNT, Joint};
-use crate::kernels::shared::outfit::{
-    BACKPACK, BUN, CAP, GLASSES, HAIR_UP, JACKET, PEAK, PONYTAIL, TROUSERS,
-};
+use crate::kernels::shared::outfit::{BACKPACK, BRIM, CAP, COAT, GLASSES, JACKET, PEAK, TROUSERS};
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
 /// The seat of a woman's trousers.
 const SEAT: &[Row] = &[
@@ -20,6 +18,11 @@ const SEAT: &[Row] = &[
     (0.880, 0.168, 0.107, 0.130, 1),
     (0.980, 0.142, 0.097, 0.098, 2),
 ];
+/// Coats from their hem up.
+const FEMALE_COAT: &[Row] =
+    &[(0.518, 0.216, 0.186, 0.194, 2), (0.640, 0.210, 0.168, 0.182, 1), (0.800, 0.200, 0.137, 0.161, 0)];
+const MALE_COAT: &[Row] =
+    &[(0.540, 0.232, 0.188, 0.196, 2), (0.660, 0.226, 0.174, 0.186, 1), (0.780, 0.213, 0.152, 0.168, 0)];
 /// How far the hem of a jacket hangs below that of a top, and stands off it, m.
 const HEM_DROP: f32 = 0.040;
 const HEM_OFF: f32 = 0.010;
@@ -29,21 +32,6 @@ const COLLAR_OFF: f32 = 0.005;
 /// The inside of what hangs or stands open.
 const SHADED: f32 = 0.55;
 const FRAME: Paint = Paint::fixed(0.02, 0.018, 0.018);
-
-/// A ring about an upright axis.
-fn level_ring(center: Vec3, [broad, deep]: [f32; 2], square: f32, paint: Paint, keep: usize) -> Ring {
-    Ring {
-        center,
-        side: Vec3::X * broad,
-        front: Vec3::Z * deep,
-        back: 1.0,
-        square,
-        paint,
-        back_paint: None,
-        keep,
-        cover: Cover::default(),
-    }
-}
 
 impl Measures {
     /// Height of the collar of the top, m.
@@ -57,6 +45,8 @@ impl Measures {
         let bones = self.bones;
         let trunk = |p: Vec3| bones.trunk(p);
         let head = |_: Vec3| bones.head();
+        let long = |p: Vec3| self.of_long_hair(p);
+        let skirt = |p: Vec3| bones.skirt(p);
         let leg = |p: Vec3| self.of_leg(p);
         let back = |_: Vec3| -> Shares {
             let mut shares = [0.0; JOINT_COUNT];
@@ -71,24 +61,20 @@ impl Measures {
             self.seat(out, &trunk);
             [true, false].into_iter().for_each(|left| self.trouser_leg(out, left, &leg));
         }
+        out.wear(COAT, false);
+        self.coat(out, &skirt);
         out.wear(BACKPACK, false);
         self.backpack(out, &back);
         if level < 2 {
             out.wear(JACKET, false);
             self.hem_and_collar(out, &trunk);
-            if self.sex == Sex::Female {
-                let skull = Skull::of(self).with(Cut::Up);
-                out.wear(HAIR_UP, false);
-                Self::hair(out, &skull, Cut::Up, &head);
-                out.wear(PONYTAIL, false);
-                skull.ponytail(out, &head);
-                out.wear(BUN, false);
-                skull.bun(out, &head);
-            }
+            self.other_hair(out, &head, &long);
             out.wear(CAP, false);
             skull.cap(out, &head);
             out.wear(PEAK, false);
             skull.peak(out, &head);
+            out.wear(BRIM, false);
+            skull.brim(out, &head);
         }
         if level == 0 {
             out.wear(GLASSES, false);
@@ -144,6 +130,32 @@ impl Measures {
         builder.end(None);
     }
 
+    /// What of a coat is below a jacket's hem: it hangs on the thighs, as a skirt does.
+    fn coat<'a>(&self, builder: &mut Builder<'a>, skirt: Skin<'a>) {
+        let segments = [TRUNK_SIDES, 7, 5][builder.level.min(2)];
+        let (_, top) = rows_of(self.sex);
+        let (Some(hem), Some(next)) = (top.first(), top.get(1)) else { return };
+        let rows = match self.sex {
+            Sex::Female => FEMALE_COAT,
+            Sex::Male => MALE_COAT,
+        };
+        let wider = |row: &Row, y: f32, off: f32, keep: usize| -> Row {
+            (y, row.1 + off, row.2 + off, row.3 + off, keep)
+        };
+        let inside = Paint::tinted(Material::Top, SHADED);
+        let mut hanging = rings(&rows[..1], LOWER_SQUARE, inside);
+        hanging.extend(rings(rows, LOWER_SQUARE, TOP));
+        // over the jacket's hem, and out of the jacket
+        let over = [
+            wider(hem, hem.0, HEM_OFF + 0.005, 1),
+            wider(next, (hem.0 + 0.05).min(next.0), -0.002, 2),
+        ];
+        hanging.extend(rings(&over, UPPER_SQUARE, TOP));
+        builder.begin(skirt);
+        builder.loft(&hanging, segments, [Cap::Fan(-0.05), Cap::Open]);
+        builder.end(None);
+    }
+
     fn backpack<'a>(&self, builder: &mut Builder<'a>, back: Skin<'a>) {
         let size = if self.sex == Sex::Male { 1.0 } else { 0.9 };
         let top = self.bones.of(Joint::LeftShoulder).y + 0.01;
@@ -167,54 +179,6 @@ impl Measures {
 }
 
 impl Skull {
-    /// A place by its distance from the middle to the left, under the crown and to the front (man's size), m.
-    fn beside(&self, [aside, drop, ahead]: [f32; 3]) -> Vec3 {
-        Vec3::new(aside * self.size, self.crown - drop * self.size, ahead * self.size)
-    }
-
-    fn ponytail<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        // middle: under the crown, ahead; radius
-        const PATH: [(f32, f32, f32); 5] = [
-            (0.070, -0.094, 0.012),
-            (0.072, -0.126, 0.020),
-            (0.130, -0.150, 0.027),
-            (0.205, -0.138, 0.024),
-            (0.268, -0.126, 0.005),
-        ];
-        let middle = |at: usize| self.beside([0.0, PATH[at].0, PATH[at].1]);
-        let ring = |at: usize| {
-            let along =
-                (middle((at + 1).min(PATH.len() - 1)) - middle(at.saturating_sub(1))).normalize_or_zero();
-            let radius = PATH[at].2 * self.size;
-            let keep = if at == 3 { 0 } else { 1 };
-            let front = Vec3::X.cross(along).normalize_or_zero() * radius;
-            Ring { side: Vec3::X * radius, front, ..level_ring(middle(at), [radius; 2], 2.0, HAIR, keep) }
-        };
-        let segments = [7, 4][builder.level.min(1)];
-        builder.begin(skin);
-        builder.loft(&(0..PATH.len()).map(ring).collect::<Vec<_>>(), segments, [Cap::Open; 2]);
-        builder.end(None);
-    }
-
-    fn bun<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        let center = self.beside([0.0, 0.060, -0.116]);
-        // away from the head
-        let along = Vec3::new(0.0, 0.45, -0.9).normalize();
-        let radius = 0.038 * self.size;
-        let ring = |share: f32, keep: usize| {
-            let (sine, cosine) = libm::sincosf(PI * share);
-            let at = center - along * (radius * 0.8 * cosine);
-            let across = radius * sine.max(0.02);
-            let front = Vec3::X.cross(along) * across;
-            Ring { side: Vec3::X * across, front, ..level_ring(at, [across; 2], 2.0, HAIR, keep) }
-        };
-        let rings = [ring(0.15, 1), ring(0.4, 1), ring(0.65, 0), ring(0.85, 1), ring(1.0, 1)];
-        let segments = [8, 5][builder.level.min(1)];
-        builder.begin(skin);
-        builder.loft(&rings, segments, [Cap::Open; 2]);
-        builder.end(None);
-    }
-
     /// How far a cap is outside the skin, m (man's size): over all hair.
     const CAP_OFF: f32 = 0.024;
     /// Its rim, under the crown at the front and at the back, m.
@@ -227,7 +191,7 @@ impl Skull {
     }
 
     fn cap<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (14_u8, 4_u8) } else { (7, 2) };
+        let (columns, rows) = if builder.level == 0 { (12_u8, 4_u8) } else { (7, 2) };
         let row = |t: f32, off: f32| -> Vec<Vec3> {
             let at = |k: u8| {
                 let angle = TAU * f32::from(k) / f32::from(columns);
@@ -241,14 +205,7 @@ impl Skull {
         let inside = Paint::tinted(Material::Top, SHADED);
         builder.begin(skin);
         builder.painted_grid(&grid, true, &|row, _| if row == 0 { inside } else { TOP });
-        if let Some(top) = grid.last() {
-            let rim: Vec<u32> = top.iter().map(|&p| builder.vertex(p, TOP)).collect();
-            let tip = top.iter().sum::<Vec3>() / f32::from(columns) + Vec3::Y * 0.002;
-            let tip = builder.vertex(tip, TOP);
-            for k in 0..rim.len() {
-                builder.triangle(rim[k], rim[(k + 1) % rim.len()], tip);
-            }
-        }
+        builder.close(grid.last(), 0.002, TOP);
         builder.end(None);
     }
 
@@ -276,6 +233,35 @@ impl Skull {
         builder.end(Some(Vec3::new(0.0, 1.0, 0.3)));
         builder.begin(skin);
         builder.grid(&lower, false, inside);
+        builder.end(Some(Vec3::NEG_Y));
+    }
+
+    /// All round, a little lower in front and at the back.
+    fn brim<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
+        const REACH: f32 = 0.058;
+        const SAG: f32 = 0.016;
+        let columns = if builder.level == 0 { 12_u8 } else { 7 };
+        let row = |out: f32, down: f32| -> Vec<Vec3> {
+            let at = |k: u8| {
+                let angle = TAU * f32::from(k) / f32::from(columns);
+                let drop = Self::rim(angle) - 0.004;
+                let rolled = libm::cosf(2.0 * angle) * 0.008 * out;
+                let place = self.around(angle, drop, Self::CAP_OFF - 0.002 + REACH * out);
+                // `around` rises with the distance from the skin
+                place
+                    - Vec3::Y * (REACH * 0.9 + SAG) * out * self.size
+                    - Vec3::Y * (rolled + down) * self.size
+            };
+            (0..columns).map(at).collect()
+        };
+        let inside = Paint::tinted(Material::Top, SHADED);
+        let upper = [row(0.0, -0.002), row(1.0, 0.0)];
+        let lower = [row(1.0, 0.0), row(0.0, 0.002)];
+        builder.begin(skin);
+        builder.grid(&upper, true, TOP);
+        builder.end(Some(Vec3::Y));
+        builder.begin(skin);
+        builder.grid(&lower, true, inside);
         builder.end(Some(Vec3::NEG_Y));
     }
 

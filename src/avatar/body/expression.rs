@@ -18,8 +18,8 @@ pub(super) const BROW: [f32; 2] = [0.0118, 0.0385];
 const BROW_AT: f32 = 0.089;
 /// Less is not seen, m.
 const LEAST: f32 = 5e-5;
-/// How far the lower lids rise in a smile, rad.
-const LOWER_LID: f32 = 0.16;
+/// How far the lower lids rise in a smile, and where lips are pressed, as the angry do (unit 7), rad.
+const LOWER_LID: [f32; 2] = [0.16, 0.20];
 
 /// A soft bump, 1 in the middle.
 pub(super) fn bump(x: f32, y: f32) -> f32 {
@@ -145,10 +145,11 @@ impl Skull {
 }
 
 impl Eye {
-    /// Of the lower lid, which rises in a smile.
+    /// Of the lower lid, which rises in a smile and in anger.
     pub(super) fn moves_of_lower_lid(&self, p: Vec3) -> FaceVertex {
         let way = p - self.center;
-        FaceVertex { corners_up: Quat::from_rotation_x(-LOWER_LID) * way - way, ..FaceVertex::default() }
+        let [corners_up, pressed] = LOWER_LID.map(|angle| Quat::from_rotation_x(-angle) * way - way);
+        FaceVertex { corners_up, pressed, ..FaceVertex::default() }
     }
 }
 

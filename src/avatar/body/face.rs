@@ -21,7 +21,8 @@ const BETWEEN_LIPS: Paint = Paint { material: Material::Skin, color: Vec3::new(0
 /// Of the skin's material, since a triangle has one material.
 const INSIDE: Paint = Paint { material: Material::Skin, color: Vec3::new(0.10, 0.04, 0.05) };
 const TEETH: Paint = Paint::fixed(0.52, 0.50, 0.45);
-const HAIR_OF_BROWS: Paint = Paint::tinted(Material::Hair, 0.42);
+/// Of brows: their ridge and their edges.
+const HAIR_OF_BROWS: [Paint; 2] = [Paint::tinted(Material::Hair, 0.5), Paint::tinted(Material::Hair, 0.75)];
 
 /// What a row of the finest head is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +81,9 @@ const MOUTH_DEPTH: f32 = 0.014;
 const TEETH_DEPTH: f32 = 0.0055;
 /// The upper teeth: from and to, under the crown, and how far to either side, m (man's size).
 const TEETH_AT: [f32; 3] = [0.1865, 0.1925, 0.0195];
+/// Two a tooth; a multiple of four, so that there is a gap in the middle.
+const TEETH_COLUMNS: u8 = 8;
+const TEETH_GAP: f32 = 0.72;
 
 /// Centre of the left eyeball at the side of the middle and under the crown (man's size), and its depth, m.
 pub(super) const EYE_AT: [f32; 2] = [0.0315, 0.1115];
@@ -220,15 +224,21 @@ impl Skull {
         let (half_width, ..) = Self::section(MOUTH);
         let row = |drop: f32| -> Vec<Vec3> {
             let at = |k: u8| {
-                let x = aside * (f32::from(k) / 3.0 - 1.0);
+                let x = aside * (f32::from(k) / (0.5 * f32::from(TEETH_COLUMNS)) - 1.0);
                 let lip = self.skin(Self::angle(x / half_width), MOUTH, -TEETH_DEPTH);
                 lip.with_y(self.crown - drop * self.size)
             };
-            (0..7).map(at).collect()
+            (0..=TEETH_COLUMNS).map(at).collect()
+        };
+        // a tooth in each two columns, with a gap in the shade beside it; cheeks darken the hindmost
+        let paint = |_: usize, column: usize| {
+            let aside = (column as f32 / (0.5 * f32::from(TEETH_COLUMNS)) - 1.0).abs();
+            let gap = if column.is_multiple_of(2) { TEETH_GAP } else { 1.0 };
+            Paint { color: TEETH.color * gap * (1.0 - 0.6 * aside * aside), ..TEETH }
         };
         let first = builder.len();
         builder.begin(skin);
-        builder.grid(&[row(bottom), row(top)], false, TEETH);
+        builder.painted_grid(&[row(bottom), row(top)], false, &paint);
         builder.end(Some(Vec3::Z));
         builder.express(first, &|_, own| self.moves_of_teeth(own.position));
     }
@@ -242,18 +252,20 @@ impl Skull {
         let strip = |edge: f32, out: f32| -> Vec<Vec3> {
             let at = |t: f32| {
                 let x = side * (inner + length * t);
-                let below = if t < PEAK { 0.0026 } else { 0.0035 };
+                let below = if t < PEAK { 0.0016 } else { 0.0038 };
                 let from_peak = if t < PEAK { (t - PEAK) / PEAK } else { (t - PEAK) / (1.0 - PEAK) };
-                // pointed at the temple
-                let thick = half_thick * (0.78 + 0.8 * t - 1.38 * t * t);
-                let drop = 0.0870 + below * from_peak * from_peak + edge * thick;
+                // it begins softly, and is pointed at the temple
+                let thick = half_thick * (0.62 + 1.2 * t - 1.66 * t * t);
+                let drop = 0.0862 + below * from_peak * from_peak + edge * thick;
                 self.skin(Self::angle(x / half_width), drop, out)
             };
             (0..8_u8).map(|k| at(f32::from(k) / 7.0)).collect()
         };
         let first = builder.len();
         builder.begin(skin);
-        builder.grid(&[strip(1.0, 0.0012), strip(0.0, 0.0034), strip(-1.0, 0.0012)], false, HAIR_OF_BROWS);
+        let [ridge, edge] = HAIR_OF_BROWS;
+        let rows = [strip(1.0, 0.0008), strip(0.0, 0.0026), strip(-1.0, 0.0008)];
+        builder.painted_grid(&rows, false, &|row, _| if row == 1 { ridge } else { edge });
         builder.end(Some(Vec3::Z));
         builder.express(first, &|_, own| self.moves_of_brow(own.position));
     }

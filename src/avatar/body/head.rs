@@ -1,11 +1,10 @@
 //! Head, hair and, of the coarser levels, face.
 
+use super::hair::Cut;
 use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
-use super::weights::step;
 use super::{HAIR, Material, Measures, SKIN, Sex};
-use crate::kernels::shared::outfit::HAIR_DOWN;
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
 pub(super) type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
 
@@ -22,39 +21,10 @@ pub(super) const SKULL: [(f32, f32, f32, f32, usize); 9] = [
     (0.000, 0.016, 0.015, -0.024, 2),
 ];
 pub(super) const SQUARE: f32 = 2.3;
-const UNDER_HAIR: Paint = Paint::tinted(Material::Hair, 0.55);
-/// Shades of hair from column to column of the finest level: the same on both sides.
-const STRANDS: [f32; 12] = [0.96, 1.0, 0.86, 0.95, 0.80, 0.92, 0.85, 0.92, 0.80, 0.95, 0.86, 1.0];
+/// Where an edge turns in to, outside the skin, m.
+pub(super) const UNDER_SHELL: f32 = -0.004;
 const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.50, 0.38, 0.36) };
 const EYE: Paint = Paint::fixed(0.015, 0.012, 0.01);
-
-/// How hair is cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Cut {
-    /// Down to the jaw, over the ears.
-    Long,
-    /// Off the ears, a short nape.
-    Short,
-    /// The same of long hair that is tied up.
-    Up,
-}
-
-impl Cut {
-    const fn of(sex: Sex) -> Self {
-        match sex {
-            Sex::Female => Self::Long,
-            Sex::Male => Self::Short,
-        }
-    }
-
-    /// How fast the hair closes in on the nape and, beside it, on the neck, metres per metre of height.
-    const fn closing(self) -> [f32; 2] {
-        match self {
-            Self::Long => [0.30, 0.16],
-            Self::Short | Self::Up => [0.45, 0.05],
-        }
-    }
-}
 
 /// The skull as a function of height.
 pub(super) struct Skull {
@@ -75,9 +45,9 @@ impl Skull {
     }
 
     /// The same under other hair.
-    pub(super) const fn with(self, cut: Cut) -> Self {
+    pub(super) const fn with(&self, cut: Cut) -> Self {
         let [nape, side] = cut.closing();
-        Self { nape, side, ..self }
+        Self { nape, side, ..*self }
     }
 
     /// (half width, front, back) at `drop` under the crown (man's size), unscaled.
@@ -117,9 +87,18 @@ impl Skull {
         let z = middle + rounded(libm::cosf(angle)) * (front - middle + thick);
         Vec3::new(x * self.size, self.crown + (thick * 0.9 - drop) * self.size, z * self.size)
     }
+
+    /// A place by its distance from the middle to the left, under the crown and to the front (man's size), m.
+    pub(super) fn beside(&self, [aside, drop, ahead]: [f32; 3]) -> Vec3 {
+        Vec3::new(aside * self.size, self.crown - drop * self.size, ahead * self.size)
+    }
 }
 
 impl Skull {
+    pub(super) fn ears<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
+        [-1.0, 1.0].into_iter().for_each(|side| self.ear(builder, skin, side));
+    }
+
     /// A shell beside the head, hollow in front, that stands off at the back.
     fn ear<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>, side: f32) {
         const COLUMNS: u8 = 8;
@@ -196,85 +175,6 @@ impl Measures {
             self.own_hair(builder, &skull, skin);
             self.nose(builder, &skull, skin);
             Self::eyes(builder, &skull, skin);
-        }
-    }
-
-    /// The hair of a body's own outfit: women wear it down.
-    fn own_hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        if self.sex == Sex::Female {
-            builder.wear(HAIR_DOWN, true);
-        }
-        Self::hair(builder, skull, Cut::of(self.sex), skin);
-        builder.wear(0, true);
-    }
-
-    /// A shell of hair.
-    pub(super) fn hair<'a>(builder: &mut Builder<'a>, skull: &Skull, cut: Cut, skin: Skin<'a>) {
-        let is_finest = builder.level == 0;
-        let (columns, rows) = match (cut, is_finest) {
-            (_, false) => (7, 2),
-            (Cut::Up, true) => (18, 5),
-            _ => (24, 6),
-        };
-        let hairline = |angle: f32| -> f32 {
-            let turn = if angle > PI { TAU - angle } else { angle };
-            // parted on the left: a fringe falls to the right; the skull is open above its last row
-            let fringe = match (cut, is_finest) {
-                (_, false) => 0.052,
-                (Cut::Long, true) => 0.049 + 0.015 * step(-0.45, 0.75, -libm::sinf(angle)),
-                (Cut::Short | Cut::Up, true) => 0.048 + 0.008 * step(-0.45, 0.75, -libm::sinf(angle)),
-            };
-            match cut {
-                // shorter in front
-                Cut::Long => {
-                    fringe + (0.212 + 0.026 * step(1.2, 2.3, turn) - fringe) * step(0.85, 1.35, turn)
-                }
-                // Sideburns in front of the ear, a short nape.
-                Cut::Short | Cut::Up => {
-                    fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn)
-                }
-            }
-        };
-        let thick = [0.013, 0.020][builder.level.min(1)] + if cut == Cut::Long { 0.005 } else { -0.002 };
-        // Long hair grows thin towards its ends; short hair is fullest half way up.
-        let fullness = |t: f32| match cut {
-            _ if !is_finest => 1.0,
-            Cut::Long => 0.8 + 0.2 * step(0.0, 0.4, t) + 0.12 * libm::sinf(PI * t),
-            Cut::Short | Cut::Up => 1.0 + 0.3 * libm::sinf(PI * t),
-        };
-        let mut grid: Vec<Vec<Vec3>> = Vec::new();
-        for row in 0..=rows + 1 {
-            // The first row turns in under the hair's edge, so that it has thickness.
-            let t = (row as f32 - 1.0).max(0.0) / rows as f32;
-            let thickness = if row == 0 { -0.004 } else { thick * fullness(t) };
-            let ring = (0..columns).map(|k| {
-                let angle = TAU * k as f32 / columns as f32;
-                // Flatter over the forehead, where it would look like a peak.
-                let thickness =
-                    thickness * (1.0 - 0.4 * (1.0 - step(0.2, 1.3, angle.min(TAU - angle))) * (1.0 - t));
-                skull.around(angle, hairline(angle) * libm::powf(1.0 - t, 1.35), thickness)
-            });
-            grid.push(ring.collect());
-        }
-        let strands = |row: usize, column: usize| match row {
-            _ if !is_finest => HAIR,
-            0 => UNDER_HAIR,
-            _ => Paint::tinted(Material::Hair, STRANDS[column % STRANDS.len()]),
-        };
-        builder.begin(skin);
-        builder.painted_grid(&grid, true, &strands);
-        // The crown.
-        if let Some(top) = grid.last() {
-            let rim: Vec<u32> = top.iter().map(|&p| builder.vertex(p, HAIR)).collect();
-            let tip = top.iter().sum::<Vec3>() / columns as f32 + Vec3::Y * 0.001;
-            let tip = builder.vertex(tip, HAIR);
-            for k in 0..rim.len() {
-                builder.triangle(rim[k], rim[(k + 1) % rim.len()], tip);
-            }
-        }
-        builder.end(None);
-        if cut != Cut::Long && builder.level == 0 {
-            [-1.0, 1.0].into_iter().for_each(|side| skull.ear(builder, skin, side));
         }
     }
 

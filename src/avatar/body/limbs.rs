@@ -4,7 +4,7 @@ use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
 use super::weights::step;
 use super::{BOTTOM, Material, Measures, SHOE, SKIN, SOLE, Sex, TOP};
 use crate::gait::Joint;
-use crate::kernels::shared::outfit::{BARE_LEGS, LOWER_LEG, LOWER_SLEEVE, UPPER_SLEEVE};
+use crate::kernels::shared::outfit::{BARE_LEGS, LOWER_LEG, LOWER_SLEEVE, SNEAKERS, UPPER_SLEEVE};
 use glam::{Mat3, Vec3};
 
 pub(super) type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
@@ -311,6 +311,7 @@ impl Measures {
         };
         let sections: Vec<Vec<Vec3>> =
             LAST.iter().filter(|row| row.3 >= builder.level).map(section).collect();
+        let first = builder.len();
         builder.begin(foot);
         let strips: &[(std::ops::Range<usize>, Paint)] =
             if builder.level == 0 { &[(0..2, SOLE), (1..5, SHOE), (4..6, SOLE)] } else { &[(0..4, SHOE)] };
@@ -333,5 +334,6 @@ impl Measures {
             }
         }
         builder.end(None);
+        builder.cover(first, SNEAKERS, &|_| true);
     }
 }

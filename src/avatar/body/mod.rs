@@ -10,6 +10,7 @@ mod expression;
 mod eye;
 mod face;
 pub(in crate::avatar) mod figure;
+mod hair;
 mod hand;
 mod head;
 mod limbs;

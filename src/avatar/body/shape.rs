@@ -83,6 +83,27 @@ impl Ring {
     }
 }
 
+/// A ring about an upright axis.
+pub(super) fn level_ring(
+    center: Vec3,
+    [broad, deep]: [f32; 2],
+    square: f32,
+    paint: Paint,
+    keep: usize,
+) -> Ring {
+    Ring {
+        center,
+        side: Vec3::X * broad,
+        front: Vec3::Z * deep,
+        back: 1.0,
+        square,
+        paint,
+        back_paint: None,
+        keep,
+        cover: Cover::default(),
+    }
+}
+
 /// How the ends of a loft are closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cap {
@@ -329,6 +350,17 @@ impl<'a> Builder<'a> {
                 self.quad(low[k], low[next], high[next], high[k]);
             }
             low = high;
+        }
+    }
+
+    /// Closes a surface over its last row of points: a fan about their middle, so much higher, m.
+    pub(super) fn close(&mut self, last: Option<&Vec<Vec3>>, rise: f32, paint: Paint) {
+        let Some(last) = last else { return };
+        let rim: Vec<u32> = last.iter().map(|&p| self.vertex(p, paint)).collect();
+        let tip = last.iter().sum::<Vec3>() / last.len() as f32 + Vec3::Y * rise;
+        let tip = self.vertex(tip, paint);
+        for k in 0..rim.len() {
+            self.triangle(rim[k], rim[(k + 1) % rim.len()], tip);
         }
     }
 

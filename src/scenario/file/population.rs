@@ -40,7 +40,7 @@ pub enum EmotionMode {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Clothes {
-    /// Each agent its own outfit: tops, jackets, trousers, skirts, hair, caps, glasses, bags.
+    /// Each agent its own outfit: tops, jackets, coats, trousers, skirts, shoes, hair, hats, glasses, bags.
     #[default]
     Varied,
     /// All women a short-sleeved top and a skirt, all men long sleeves and trousers; colours differ.
