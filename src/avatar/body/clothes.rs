@@ -146,10 +146,8 @@ impl Measures {
         let mut hanging = rings(&rows[..1], LOWER_SQUARE, inside);
         hanging.extend(rings(rows, LOWER_SQUARE, TOP));
         // over the jacket's hem, and out of the jacket
-        let over = [
-            wider(hem, hem.0, HEM_OFF + 0.005, 1),
-            wider(next, (hem.0 + 0.05).min(next.0), -0.002, 2),
-        ];
+        let over =
+            [wider(hem, hem.0, HEM_OFF + 0.005, 1), wider(next, (hem.0 + 0.05).min(next.0), -0.002, 2)];
         hanging.extend(rings(&over, UPPER_SQUARE, TOP));
         builder.begin(skirt);
         builder.loft(&hanging, segments, [Cap::Fan(-0.05), Cap::Open]);

@@ -1,6 +1,6 @@
 //! Hair of the generated bodies: shells around the skull in several cuts, and what is tied up.
 
-use super::head::{Skin, Skull, UNDER_SHELL};
+use super::head::{SHORT, Skin, Skull, TO_JAW, UNDER_SHELL};
 use super::shape::{Builder, Cap, Paint, Ring, level_ring};
 use super::weights::step;
 use super::{HAIR, Material, Measures, SKIN, Sex, Shares};
@@ -24,7 +24,7 @@ const SWEPT_LESS: f32 = 0.005;
 
 /// How hair is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Cut {
+enum Cut {
     /// Down to the jaw, over the ears.
     Bob,
     /// Off the ears, a short nape.
@@ -42,7 +42,7 @@ pub(super) enum Cut {
 }
 
 impl Cut {
-    pub(super) const fn of(sex: Sex) -> Self {
+    const fn of(sex: Sex) -> Self {
         match sex {
             Sex::Female => Self::Bob,
             Sex::Male => Self::Short,
@@ -50,12 +50,12 @@ impl Cut {
     }
 
     /// How fast the hair closes in on the nape and, beside it, on the neck, metres per metre of height.
-    pub(super) const fn closing(self) -> [f32; 2] {
+    const fn closing(self) -> [f32; 2] {
         match self {
-            Self::Bob => [0.30, 0.16],
+            Self::Bob => TO_JAW,
             Self::Round => [0.30, 0.05],
             Self::Long => [-0.08, 0.06], // over the back
-            _ => [0.45, 0.05],
+            _ => SHORT,
         }
     }
 
@@ -146,7 +146,7 @@ impl Measures {
         ];
         for (part, cut) in cuts {
             builder.wear(part, false);
-            skull.with(cut).hair(builder, cut, if cut == Cut::Long { long } else { skin });
+            skull.with(cut.closing()).hair(builder, cut, if cut == Cut::Long { long } else { skin });
             // a man's are his body's
             if self.sex == Sex::Female && builder.level == 0 && !cut.covers_ears() {
                 skull.ears(builder, skin);
@@ -165,7 +165,7 @@ impl Measures {
             }
             Sex::Male if builder.level == 0 => {
                 builder.wear(BALD, false);
-                skull.with(Cut::Short).bald(builder, skin);
+                skull.with(SHORT).bald(builder, skin);
             }
             Sex::Male => {}
         }

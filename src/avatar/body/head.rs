@@ -1,6 +1,5 @@
 //! Head, hair and, of the coarser levels, face.
 
-use super::hair::Cut;
 use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
 use super::{HAIR, Material, Measures, SKIN, Sex};
 use glam::Vec3;
@@ -21,6 +20,9 @@ pub(super) const SKULL: [(f32, f32, f32, f32, usize); 9] = [
     (0.000, 0.016, 0.015, -0.024, 2),
 ];
 pub(super) const SQUARE: f32 = 2.3;
+/// How fast hair closes in on the nape and, beside it, on the neck, metres per metre of height: down to the jaw, and short.
+pub(super) const TO_JAW: [f32; 2] = [0.30, 0.16];
+pub(super) const SHORT: [f32; 2] = [0.45, 0.05];
 /// Where an edge turns in to, outside the skin, m.
 pub(super) const UNDER_SHELL: f32 = -0.004;
 const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.50, 0.38, 0.36) };
@@ -31,7 +33,7 @@ pub(super) struct Skull {
     pub(super) crown: f32,
     pub(super) size: f32,
     pub(super) sex: Sex,
-    /// See [`Cut::closing`].
+    /// How fast its hair closes in: see [`TO_JAW`].
     nape: f32,
     side: f32,
 }
@@ -39,14 +41,13 @@ pub(super) struct Skull {
 impl Skull {
     pub(super) fn of(measures: &Measures) -> Self {
         let size = if measures.sex == Sex::Male { 1.0 } else { 0.955 };
-        let [nape, side] = Cut::of(measures.sex).closing();
+        let [nape, side] = if measures.sex == Sex::Male { SHORT } else { TO_JAW };
         // Hair adds to the stature, so the crown of the skull lies under it.
         Self { crown: measures.height - 0.014 * size, size, sex: measures.sex, nape, side }
     }
 
-    /// The same under other hair.
-    pub(super) const fn with(&self, cut: Cut) -> Self {
-        let [nape, side] = cut.closing();
+    /// The same under hair that closes in otherwise.
+    pub(super) const fn with(&self, [nape, side]: [f32; 2]) -> Self {
         Self { nape, side, ..*self }
     }
 
