@@ -19,10 +19,8 @@ const SEAT: &[Row] = &[
     (0.980, 0.142, 0.097, 0.098, 2),
 ];
 /// Coats from their hem up.
-const FEMALE_COAT: &[Row] =
-    &[(0.518, 0.216, 0.186, 0.194, 2), (0.640, 0.210, 0.168, 0.182, 1), (0.800, 0.200, 0.137, 0.161, 0)];
-const MALE_COAT: &[Row] =
-    &[(0.540, 0.232, 0.188, 0.196, 2), (0.660, 0.226, 0.174, 0.186, 1), (0.780, 0.213, 0.152, 0.168, 0)];
+const FEMALE_COAT: &[Row] = &[(0.518, 0.216, 0.186, 0.194, 2), (0.800, 0.202, 0.143, 0.166, 0)];
+const MALE_COAT: &[Row] = &[(0.540, 0.232, 0.188, 0.196, 2), (0.780, 0.215, 0.156, 0.172, 0)];
 /// How far the hem of a jacket hangs below that of a top, and stands off it, m.
 const HEM_DROP: f32 = 0.040;
 const HEM_OFF: f32 = 0.010;
@@ -189,7 +187,7 @@ impl Skull {
     }
 
     fn cap<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (12_u8, 4_u8) } else { (7, 2) };
+        let (columns, rows) = if builder.level == 0 { (11_u8, 3_u8) } else { (7, 2) };
         let row = |t: f32, off: f32| -> Vec<Vec3> {
             let at = |k: u8| {
                 let angle = TAU * f32::from(k) / f32::from(columns);

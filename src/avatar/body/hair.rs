@@ -68,7 +68,7 @@ impl Cut {
         match self {
             _ if level > 0 => (7, 2),
             Self::Bob | Self::Short => (24, 6),
-            Self::Long => (20, 8),
+            Self::Long => (18, 7),
             Self::Round => (20, 6),
             _ => (17, 5),
         }
@@ -248,7 +248,7 @@ impl Skull {
 
     /// A bare head, with hair at its sides and back.
     fn bald<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        const COLUMNS: u8 = 24;
+        const COLUMNS: u8 = 16;
         /// Where the face ends, and skin under hair, under the crown, m.
         const FROM: [f32; 2] = [0.045, 0.100];
         /// The hair's upper edge, m, and where it begins beside the face, rad.
