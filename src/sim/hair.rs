@@ -20,7 +20,7 @@ struct Shape {
     dark: f32,
     child: f32,
     grey: f32,
-    /// Whether a hat fits over it.
+    /// Whether hats are worn over it: not where it stands out, nor with plaits, which have triangles enough.
     is_flat: bool,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn is_child(own: &Appearance) -> bool {
     own.scale * own.stature() < ADULT
 }
 
-/// The hair of an agent by a number in [0, 1), and whether a hat fits over it.
+/// The hair of an agent by a number in [0, 1), and whether hats are worn over it.
 pub(super) fn hair_of(sex: Sex, own: &Appearance, draw: f32) -> (&'static [u32], bool) {
     let shapes: &[Shape] = match sex {
         Sex::Female => &OF_WOMEN,
@@ -120,7 +120,7 @@ mod tests {
         assert!(of(&men(PALE, BLACK, 0.7), BALD) == 0.0, "no child is bald");
         let girls = shares(Sex::Female, PALE, BLACK, 0.7);
         assert!(of(&girls, PLAITS) > 3.0 * of(&shares(Sex::Female, PALE, BLACK, 1.0), PLAITS));
-        // 0xf3d3bc is no grey, 0x8f8b86 is
+        // blond is as bright as grey, and no grey
         assert_eq!(men(PALE, 0xc4_9a58, 1.0), men(PALE, BLACK, 1.0));
     }
 }

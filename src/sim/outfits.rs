@@ -33,7 +33,7 @@ mod shares {
     pub(super) const SHORTS: f32 = 0.14;
     pub(super) const BEARD: f32 = 0.25;
     pub(super) const SNEAKERS: f32 = 0.35;
-    /// Of hair that a hat fits over: a cap with a peak, a hat with a brim, a cap of wool.
+    /// Of hair that hats are worn over: a cap with a peak, a hat with a brim, a cap of wool.
     pub(super) const HATS: [f32; 3] = [0.08, 0.05, 0.04];
     pub(super) const GLASSES: f32 = 0.18;
     pub(super) const BACKPACK: f32 = 0.17;
