@@ -159,21 +159,37 @@ pub(super) fn worlds(folder: &Path, count: u32) {
         stage.fade(0.0);
         let path: PathBuf = folder.join(format!("trial-{number}.csv"));
         teller.recorder = Some(record(&scene, &mut next, &path, number));
-        let walked = stage.walk(&mut next, 1.5, &mut teller).unwrap();
+        let (frame_s, steps) = walk_and_see(&mut stage, &mut next, &mut teller);
         let state = next.simulation().state().unwrap();
         teller.recorder.take().unwrap().finish(state).unwrap();
-        assert!(walked.is_whole && walked.frames.drawn > 1, "{walked:?}");
         world = next;
         tell(
             "change",
             &json!({
                 "scene": name, "recording": path, "seconds": seconds, "prepared_s": prepared.as_secs_f64(),
                 "frames_meanwhile": meanwhile.drawn, "longest_ms": meanwhile.longest_ms,
-                "frames": walked.frames.drawn, "steps": walked.steps,
+                "frame_s": frame_s, "steps": steps,
             }),
         );
     }
     tell("outcome", &json!(stage.close(&mut teller).unwrap()));
+}
+
+/// Walks 1.5 s, and on until two pictures were seen: a software driver beside other work may need longer for them.
+///
+/// How long a picture took, s, and how many steps there were.
+fn walk_and_see(stage: &mut Stage, world: &mut World, teller: &mut Teller) -> (f64, u32) {
+    let (mut seconds, mut drawn, mut steps) = (0.0, 0, 0);
+    while drawn < 2 {
+        let part = if steps == 0 { 1.5 } else { 0.25 };
+        let walked = stage.walk(world, part, teller).unwrap();
+        assert!(walked.is_whole, "{walked:?}");
+        seconds += part;
+        drawn += u32::try_from(walked.frames.drawn).unwrap();
+        steps += walked.steps;
+        assert!(seconds < super::super::service::PATIENCE.as_secs_f64(), "{drawn} pictures in {seconds} s");
+    }
+    (seconds / f64::from(drawn), steps)
 }
 
 /// Waits until a picture shows the post where it should be, in degrees to the right, in the left eye.
