@@ -103,6 +103,8 @@ pub(super) struct Recording {
     writer: TrajectoryWriter,
     /// Memory of the last frame.
     headings: Vec<f32>,
+    /// From before the file exists: an interrupted recording ends where it is.
+    _heed: stop::Heed,
 }
 
 impl Recording {
@@ -114,6 +116,7 @@ impl Recording {
         if format == TrajectoryFormat::Parquet {
             outputs::free(&agents_path(path))?;
         }
+        let heed = stop::heed();
         let writer = TrajectoryWriter::create(
             path,
             format,
@@ -121,18 +124,19 @@ impl Recording {
             &Walkable::from(&scene.geometry),
             scene.agents_info(),
         )?;
-        Ok(Self::new(path, every, writer))
+        Ok(Self::new(path, every, writer, heed))
     }
 
     /// Begins a table of agents, without their trajectories.
     pub(super) fn of_agents(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
         let every = steps_per_frame(rate, scene)?;
+        let heed = stop::heed();
         let writer = TrajectoryWriter::of_agents(path, rate, scene.agents_info())?;
-        Ok(Self::new(path, every, writer))
+        Ok(Self::new(path, every, writer, heed))
     }
 
-    fn new(path: &Path, every: u32, writer: TrajectoryWriter) -> Self {
-        Self { path: path.to_owned(), every, writer, headings: Vec::new() }
+    fn new(path: &Path, every: u32, writer: TrajectoryWriter, heed: stop::Heed) -> Self {
+        Self { path: path.to_owned(), every, writer, headings: Vec::new(), _heed: heed }
     }
 
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
@@ -335,9 +339,9 @@ pub(super) fn simulate(
     length: Length,
     recording: Option<Recording>,
 ) -> Result<Outcome, Error> {
+    let heed = stop::heed();
     let mut course = Course::begin(scene, simulation, length, recording)?;
     let mut progress = Progress::new(format!("simulating {} agents", thousands(u64::from(scene.agents()))));
-    let heed = stop::heed();
     while let Some(count) = course.due().filter(|_| !stop::asked()) {
         let begin = Instant::now();
         course.heed(scene.step(simulation, count).and_then(|()| simulation.finish()))?;
