@@ -258,7 +258,8 @@ fn crowd(people: &[&Pair<'_>]) -> Option<Crowd> {
     })
 }
 
-/// How far individuals are from their mean: RMS over joints and phases, cm at a leg of [`LEG`].
+/// How far individuals are from their mean: RMS over joints and phases, cm at a leg of [`LEG`]. What a sample tells of all
+/// people, by one less than its number, since its mean is its own.
 fn spread(people: &[&Pair<'_>]) -> f32 {
     let joints: Vec<Joint> = Joint::ALL.into_iter().filter(|joint| *joint != Joint::Root).collect();
     let mut squares = Vec::new();
@@ -277,7 +278,9 @@ fn spread(people: &[&Pair<'_>]) -> f32 {
             squares.extend(paths.iter().map(|path| path[frame].distance_squared(middle)));
         }
     }
-    100.0 * mean(&squares).sqrt()
+    #[allow(clippy::cast_precision_loss, reason = "a number of people")]
+    let (count, others) = (people.len() as f32, people.len().saturating_sub(1).max(1) as f32);
+    100.0 * (mean(&squares) * count / others).sqrt()
 }
 
 /// A figure of a walk as drawn.

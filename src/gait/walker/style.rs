@@ -238,6 +238,9 @@ macro_rules! fields {
     };
 }
 
+/// Range of [`WalkerStyle::arm_forward`].
+const ARM_FORWARD: [f64; 2] = [-0.5, 0.8];
+
 /// Every number of a [`WalkerStyle`] in the order in which they are drawn for individuals (new ones go last).
 pub const STYLE_FIELDS: &[StyleField] = fields! {
     "body.height" body.height: [0.8, 2.4], stray [0.05, 0.0];
@@ -246,37 +249,37 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "speed" speed: [0.1, 2.6], stray [0.2, 0.0];
     "cycle_time" cycle_time: [0.5, 3.0], stray [0.1, 0.0];
     "duty" duty: [0.52, 0.75], stray [0.0, 0.014];
-    "step_width" step_width: [0.0, 0.5], stray [0.4, 0.0];
+    "step_width" step_width: [0.0, 0.5], stray [0.5, 0.0];
     "foot_lift" foot_lift: [0.06, 0.4], stray [0.2, 0.0];
     "stomp" stomp: [0.0, 0.15], stray [0.3, 0.0];
     "heel_rise" heel_rise: [0.0, 1.2], stray [0.05, 0.0];
-    "toe_out" toe_out: [-0.5, 0.8], stray [0.0, 0.08];
+    "toe_out" toe_out: [-0.5, 0.8], stray [0.0, 0.14];
     "bounce" bounce: [0.0, 0.08], stray [0.15, 0.0];
     "crouch" crouch: [0.0, 0.15], stray [0.3, 0.0];
     "sway" sway: [0.0, 0.1], stray [0.4, 0.0];
     "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.5, 0.0];
     "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.4, 0.0];
-    "lean" lean: [-0.3, 0.6], stray [0.0, 0.2];
+    "lean" lean: [-0.3, 0.6], stray [0.0, 0.19];
     "slump" slump: [-0.4, 0.8], stray [0.0, 0.23];
     "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.31];
     "nod" nod: [0.0, 0.2], stray [0.6, 0.0];
     "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.7, 0.0];
     "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.036];
     "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.045];
-    "arm_swing" arm_swing: [0.0, 1.2], stray [0.65, 0.07];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.375];
-    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.22];
+    "arm_swing" arm_swing: [0.0, 1.2], stray [0.65, 0.1];
+    "arm_forward" arm_forward: ARM_FORWARD, stray [0.0, 0.33];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.24];
     "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.2];
-    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.8, 0.1];
+    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.5, 0.22];
     "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.25];
     "knee_flexion" knee_flexion: [-0.1, 0.3], stray [0.0, 0.06];
-    "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.12];
+    "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.15];
     "trunk_turn" trunk_turn: [-0.3, 0.3], stray [0.0, 0.24];
-    "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.15];
-    "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.22];
+    "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.18];
+    "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.3];
     "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
-    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.375];
-    "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.28];
+    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.36];
+    "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.3];
     "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.29];
     "body.arms" body.arms: [0.85, 1.15], stray [0.1, 0.0];
     "body.legs" body.legs: [0.85, 1.15], stray [0.05, 0.0];
@@ -297,7 +300,7 @@ impl WalkerStyle {
         Some(mixed)
     }
 
-    /// An individual of this style: body and every number vary a little, each independently.
+    /// An individual of this style: body and every number vary a little, each independently but for what hangs together.
     /// The same seed and index give the same individual on every machine.
     #[must_use]
     pub fn vary(&self, seed: u64, index: u32) -> Self {
@@ -308,6 +311,10 @@ impl WalkerStyle {
             let stray = (share * value.abs() + absolute) * bell(seed, index, draw);
             (field.set)(&mut varied, (value + stray).clamp(field.range[0], field.range[1]));
         }
+        // Arms hang: a forearm held farther forward takes the upper arm as far back as their weights balance.
+        let [back, front] = ARM_FORWARD;
+        let hangs = varied.arm_forward - HANGING * (varied.elbow_flexion - self.elbow_flexion);
+        varied.arm_forward = hangs.clamp(back, front);
         // Who walks faster takes longer and quicker steps alike (Grieve 1968).
         varied.cycle_time *= (self.speed / varied.speed).sqrt();
         // People of longer legs walk faster at the same cadence in proportion to them.
@@ -344,6 +351,10 @@ pub struct OutOfRange {
     /// The least and the greatest value allowed.
     pub range: [f64; 2],
 }
+
+/// An upper arm that hangs goes back by so much of what its elbow bends more: at 30 degrees of bend, by the masses and their
+/// centres in Winter ("Biomechanics and Motor Control of Human Movement", 2009, table 4.1).
+const HANGING: f64 = 0.25;
 
 /// Longest stride of an individual, legs: heel and toes of longer ones leave the knees too little room.
 const LONGEST_STRIDE: f64 = 1.95;

@@ -18,8 +18,13 @@ const LEAST_BEND: f64 = 0.1;
 /// first, as in healthy adults (2.4 of 12 degrees): forearms are longer behind than in front.
 const ELBOW_CURVE: [f64; 3] = [0.3, 0.5, 0.2];
 /// A forearm that would swing higher than this swings less, by this share of the excess: arms swing like pendulums.
-const HIGHEST_FOREARM: f64 = 1.18;
+const HIGHEST_FOREARM: f64 = 1.1;
 const HELD_DOWN: f64 = 0.85;
+/// No upper arm swings far behind the shoulder, and none stays in front of it: beyond these it gives up [`HELD`] of the excess.
+/// CMU's neutral and happy people swing 10 to 38 degrees back (5 to 95 %).
+const FARTHEST_BACK: f64 = 0.7;
+const LEAST_BACK: f64 = 0.3;
+const HELD: f64 = 0.75;
 
 /// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
 pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &mut [DVec3; JOINT_COUNT]) {
@@ -63,13 +68,13 @@ fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
     let swing = |lag: f64| -side * cos(TAU * (phase - style.arm_lag - lag));
     let most = UNEVEN * style.arm_swing;
     let uneven = (style.arm_swing * style.asymmetry + style.swing_asymmetry).clamp(-most, most);
-    let amplitude = style.arm_swing + side * uneven;
-    let flexion = style.arm_forward + 0.5 * side * style.forward_asymmetry + amplitude * swing(0.0);
+    let (middle, amplitude) =
+        held(style.arm_forward + 0.5 * side * style.forward_asymmetry, style.arm_swing + side * uneven);
+    let flexion = middle + amplitude * swing(0.0);
     let bent = (style.elbow_flexion + 0.5 * side * style.elbow_asymmetry).max(LEAST_BEND);
     let [mean, first, second] = ELBOW_CURVE;
     let s = swing(ELBOW_LAG);
-    let highest =
-        style.arm_forward + 0.5 * side * style.forward_asymmetry + amplitude + bent + style.elbow_swing;
+    let highest = middle + amplitude + bent + style.elbow_swing;
     let bends = (style.elbow_swing - HELD_DOWN * (highest - HIGHEST_FOREARM).max(0.0)).max(0.0);
     let elbow = bent + bends * (mean + s * (first + s * second));
     let apart = style.arm_abduction + 0.5 * side * style.abduction_asymmetry;
@@ -78,6 +83,15 @@ fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
     // The forearm turns inwards as it bends.
     let inward = Turn::new(0.5 * out - 0.30 * elbow);
     (limb(side, flexion, outward), limb(side, flexion + elbow, inward))
+}
+
+/// Middle and amplitude of an upper arm's swing that reaches neither too far back nor too little. One that reaches too far
+/// loses half of it behind and swings that much farther in front.
+fn held(middle: f64, amplitude: f64) -> (f64, f64) {
+    let back = amplitude - middle;
+    let excess = 0.5 * HELD * (back - FARTHEST_BACK).max(0.0);
+    let lack = HELD * (LEAST_BACK - back).max(0.0);
+    (middle + excess - lack, amplitude - excess)
 }
 
 /// A unit vector that hangs down, swung forward by `flexion` and out to `side`.
