@@ -89,8 +89,9 @@ mod tests {
 
     #[test]
     fn every_method_of_the_table_tells_most_walkers_apart() {
-        let (gaits, emotions) = walkers(1, 6);
-        let (others, wanted) = walkers(2, 3);
+        // enough people that one of them more or less does not decide
+        let (gaits, emotions) = walkers(1, 12);
+        let (others, wanted) = walkers(2, 12);
         let gaits: Vec<&Gait> = gaits.iter().collect();
         for method in methods() {
             let perceiver = method.train(&gaits, &emotions, 1).unwrap();
@@ -101,7 +102,7 @@ mod tests {
                 assert!(p.iter().all(|p| (0.0..=1.0).contains(p)), "{}: {p:?}", method.name());
                 right += usize::from(perceiver.emotion(gait) == *emotion);
             }
-            assert!(right >= 8, "{}: {right} of 12", method.name());
+            assert!(3 * right >= 2 * others.len(), "{}: {right} of {}", method.name(), others.len());
         }
     }
 
