@@ -21,7 +21,7 @@ const ELBOW_CURVE: [f64; 3] = [0.3, 0.5, 0.2];
 const HIGHEST_FOREARM: f64 = 1.1;
 const HELD_DOWN: f64 = 0.85;
 /// No upper arm swings far behind the shoulder, and none stays in front of it: beyond these it gives up [`HELD`] of the excess.
-/// CMU's neutral and happy people swing 10 to 38 degrees back (5 to 95 %).
+/// CMU's neutral and happy people swing 10 to 38 degrees back (5 to 95 %); these are 17 and 40, of which some is given up.
 const FARTHEST_BACK: f64 = 0.7;
 const LEAST_BACK: f64 = 0.3;
 const HELD: f64 = 0.75;
