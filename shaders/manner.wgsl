@@ -18,14 +18,15 @@ const UNITS: f32 = 16777216.0;  // of a phase without its lowest eight bits
 
 // The largest deviations to either side, rad: about half of those of the walker's individuals, whom they add to.
 const LEAN: f32 = 0.14;
-const SIDE_LEAN: f32 = 0.055;
-const TRUNK_TURN: f32 = 0.1;
+const SIDE_LEAN: f32 = 0.075;
+const TRUNK_TURN: f32 = 0.08;
 const SHOULDER_TURN: f32 = 0.03; // once a stride
 const NECK_FLEXION: f32 = 0.18;
 const NOD: f32 = 0.012;          // twice a stride
 const HEAD_TURN: f32 = 0.09;
 const HEAD_TILT: f32 = 0.06;
-const ARM_AHEAD: f32 = 0.25;
+const ARM_AHEAD: f32 = 0.2;
+const ARMS_APART: f32 = 0.09;    // one ahead of the other
 const ARM_SWING: vec4<f32> = vec4<f32>(0.15, 0.13, 0.1, 0.11); // by emotion: the sad swing their arms little
 const ARM_LATE: f32 = 0.6;       // of the swing, a quarter of a stride later
 // As shares of what the gait does, so that no arm is held into the trunk and no elbow bends backwards.
@@ -37,6 +38,8 @@ const ELBOW_SWING: f32 = 0.2;    // once a stride
 const HEAD_FOLLOWS: f32 = 0.4;
 // How much of the trunk's turn hanging arms take part in, as the walker's.
 const ARMS_FOLLOW: f32 = 0.5;
+// How much of the trunk's lean they take back, to balance it, as the walker's.
+const ARMS_BALANCE: f32 = 0.4;
 const LEAST_SQUARE: f32 = 1e-12; // of a length that is divided by
 
 // What agents draw for; the first draw of each arm.
@@ -102,6 +105,8 @@ fn manner(@builtin(global_invocation_id) id: vec3<u32>) {
 
     let swing = dot4(moods_of(weights, emotion_of(own)), ARM_SWING);
     let lag = ARM_LATE * late * own_share(agent, 8u);
+    let middle = held * ARM_AHEAD * own_share(agent, DRAWS_OF_TRUNK) - ARMS_BALANCE * lean;
+    let apart = held * ARMS_APART * own_share(agent, DRAWS_OF_TRUNK + DRAWS_OF_ARM);
     for (var arm = 0u; arm < 2u; arm++) {
         let draws = DRAWS_OF_TRUNK + DRAWS_OF_ARM * arm;
         let left = select(-1.0, 1.0, arm == 0u);
@@ -116,7 +121,7 @@ fn manner(@builtin(global_invocation_id) id: vec3<u32>) {
         let reach = upper_arm + forearm;
         let outwards = limit(left * reach.x / sqrt(max(dot3(reach, reach), LEAST_SQUARE)), 0.0, 1.0);
         // the left arm is back when the left foot strikes
-        let ahead = held * ARM_AHEAD * own_share(agent, draws) - left * swing * (early * own_share(agent, draws + 1u) + lag);
+        let ahead = middle + left * apart - left * swing * (early * own_share(agent, draws + 1u) + lag);
         let out = held * ARM_OUT * own_share(agent, draws + 2u) * outwards;
         let bend = held * ELBOW * own_share(agent, draws + 3u) - left * early * ELBOW_SWING * own_share(agent, draws + 4u);
         // what hangs goes forwards by a turn that leans backwards

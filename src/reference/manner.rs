@@ -8,9 +8,9 @@ use super::quaternion::{
 use super::standing::{moods_of, own_draw, walk_share};
 use crate::kernels::manner::index::{ARM_JOINTS, LEFT_ARM};
 use crate::kernels::manner::{
-    ARM_AHEAD, ARM_LATE, ARM_OUT, ARM_SWING, ARMS_FOLLOW, CIRCLE, DRAWS_OF_ARM, DRAWS_OF_TRUNK, ELBOW,
-    ELBOW_SWING, FIELD, HALF_SUM, HEAD_FOLLOWS, HEAD_TILT, HEAD_TURN, LEAN, LEAST_SQUARE, NECK_FLEXION, NOD,
-    OWN_WALK, SHOULDER_TURN, SIDE_LEAN, Slices, TRUNK_TURN, UNITS,
+    ARM_AHEAD, ARM_LATE, ARM_OUT, ARM_SWING, ARMS_APART, ARMS_BALANCE, ARMS_FOLLOW, CIRCLE, DRAWS_OF_ARM,
+    DRAWS_OF_TRUNK, ELBOW, ELBOW_SWING, FIELD, HALF_SUM, HEAD_FOLLOWS, HEAD_TILT, HEAD_TURN, LEAN,
+    LEAST_SQUARE, NECK_FLEXION, NOD, OWN_WALK, SHOULDER_TURN, SIDE_LEAN, Slices, TRUNK_TURN, UNITS,
 };
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, SPINE};
 use rayon::prelude::*;
@@ -62,7 +62,7 @@ impl Amount {
         pose: &[[f32; 4]],
         [upper_in, fore_in]: [[f32; 3]; 2],
         [spine, new_spine]: [[f32; 4]; 2],
-        [swing, turn]: [f32; 2],
+        [swing, lean, turn]: [f32; 3],
     ) -> [[f32; 4]; 2] {
         let Self { agent, held, early, late, .. } = self;
         let draws = DRAWS_OF_TRUNK + DRAWS_OF_ARM * arm as u32;
@@ -79,8 +79,9 @@ impl Amount {
         let [aside, ..] = reach;
         let outwards = limit(left * aside / greater(dot3(reach, reach), LEAST_SQUARE).sqrt(), 0.0, 1.0);
         let lag = ARM_LATE * late * own_share(agent, 8);
-        let ahead = held * ARM_AHEAD * own_share(agent, draws)
-            - left * swing * (early * own_share(agent, draws + 1) + lag);
+        let middle = held * ARM_AHEAD * own_share(agent, DRAWS_OF_TRUNK) - ARMS_BALANCE * lean;
+        let apart = held * ARMS_APART * own_share(agent, DRAWS_OF_TRUNK + DRAWS_OF_ARM);
+        let ahead = middle + left * apart - left * swing * (early * own_share(agent, draws + 1) + lag);
         let out = held * ARM_OUT * own_share(agent, draws + 2) * outwards;
         let bend = held * ELBOW * own_share(agent, draws + 3)
             - left * early * ELBOW_SWING * own_share(agent, draws + 4);
@@ -124,11 +125,11 @@ pub fn manner(b: Slices<'_>) {
         pose[HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));
 
         let swing = dot4(moods_of(weights, own.emotion()), ARM_SWING);
-        let [_, turn, _] = trunk;
+        let [lean, turn, _] = trunk;
         for arm in 0..2 {
             let shoulder = LEFT_ARM + ARM_JOINTS * arm;
             let bones = [1, 2].map(|next| joint_translation(rig, avatar, shoulder + next));
-            let turned = amount.arm(arm, pose, bones, [spine, new_spine], [swing, turn]);
+            let turned = amount.arm(arm, pose, bones, [spine, new_spine], [swing, lean, turn]);
             pose[shoulder..shoulder + 2].copy_from_slice(&turned);
         }
     });

@@ -19,10 +19,10 @@ struct Finger {
 }
 
 const FINGERS: [Finger; 4] = [
-    Finger { knuckle: [0.092, 0.0300], length: 0.074, broad: 0.0092, rest: [0.38, 0.95] },
-    Finger { knuckle: [0.095, 0.0100], length: 0.082, broad: 0.0094, rest: [0.46, 1.12] },
-    Finger { knuckle: [0.091, -0.0100], length: 0.076, broad: 0.0090, rest: [0.52, 1.26] },
-    Finger { knuckle: [0.083, -0.0290], length: 0.061, broad: 0.0080, rest: [0.56, 1.35] },
+    Finger { knuckle: [0.092, 0.0300], length: 0.074, broad: 0.0092, rest: [0.50, 1.25] },
+    Finger { knuckle: [0.095, 0.0100], length: 0.082, broad: 0.0094, rest: [0.58, 1.38] },
+    Finger { knuckle: [0.091, -0.0100], length: 0.076, broad: 0.0090, rest: [0.64, 1.48] },
+    Finger { knuckle: [0.083, -0.0290], length: 0.061, broad: 0.0080, rest: [0.68, 1.55] },
 ];
 /// The same of a fist: the last bone points back at the palm.
 const CLENCHED: [f32; 2] = [1.48, 3.85];

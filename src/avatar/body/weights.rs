@@ -62,7 +62,7 @@ impl Bones {
     /// How much of the trunk is the spine's: half at the navel, below the joint.
     fn above(&self, p: Vec3) -> f32 {
         let waist = self.of(Joint::Spine).y;
-        step(waist - 0.12, waist + 0.06, p.y)
+        step(waist - 0.17, waist + 0.11, p.y)
     }
 
     /// Skirt: each side hangs on its thigh, the middle on both, the belt on the waist.

@@ -28,8 +28,8 @@ const HEAD_TIPS_BACK: f32 = 0.25;
 
 /// How far a hand at rest hangs beside its forearm: the share of the way to straight down, and at most, rad (the wrist's own
 /// limit to that side is about 0.5).
-const HAND_HANGS: f32 = 0.05;
-const MOST_HANGING: f32 = 0.07;
+const HAND_HANGS: f32 = 0.18;
+const MOST_HANGING: f32 = 0.2;
 
 /// Share of the chest's turn about the vertical that the head takes part in; walkers look ahead.
 const HEAD_FOLLOWS_CHEST: f32 = 0.25;

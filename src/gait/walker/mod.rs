@@ -33,7 +33,7 @@ const FRAMES_F64: f64 = 64.0;
 
 /// Version of the generator, written into [`Gait::provenance`]; raised whenever the same style gives another gait.
 #[doc(hidden)]
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// Travel of a stride in leg lengths for which [`WalkerStyle::bounce`] and the angles of the legs hold.
 const USUAL_STRIDE: f64 = 1.6;

@@ -238,14 +238,16 @@ macro_rules! fields {
     };
 }
 
-/// Range of [`WalkerStyle::arm_forward`].
+/// Ranges of what hangs together with something else.
 const ARM_FORWARD: [f64; 2] = [-0.5, 0.8];
+const FORWARD_ASYMMETRY: [f64; 2] = [-0.6, 0.6];
+const NECK_FLEXION: [f64; 2] = [-0.6, 1.0];
 
 /// Every number of a [`WalkerStyle`] in the order in which they are drawn for individuals (new ones go last).
 pub const STYLE_FIELDS: &[StyleField] = fields! {
     "body.height" body.height: [0.8, 2.4], stray [0.05, 0.0];
     "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.14, 0.0];
-    "body.hips" body.hips: [0.05, 0.2], stray [0.14, 0.0];
+    "body.hips" body.hips: [0.05, 0.2], stray [0.2, 0.0];
     "speed" speed: [0.1, 2.6], stray [0.2, 0.0];
     "cycle_time" cycle_time: [0.5, 3.0], stray [0.1, 0.0];
     "duty" duty: [0.52, 0.75], stray [0.0, 0.014];
@@ -259,30 +261,30 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "sway" sway: [0.0, 0.1], stray [0.4, 0.0];
     "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.5, 0.0];
     "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.4, 0.0];
-    "lean" lean: [-0.3, 0.6], stray [0.0, 0.19];
-    "slump" slump: [-0.4, 0.8], stray [0.0, 0.23];
-    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.31];
+    "lean" lean: [-0.3, 0.6], stray [0.0, 0.15];
+    "slump" slump: [-0.4, 0.8], stray [0.15, 0.15];
+    "neck_flexion" neck_flexion: NECK_FLEXION, stray [0.0, 0.3];
     "nod" nod: [0.0, 0.2], stray [0.6, 0.0];
     "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.7, 0.0];
     "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.036];
     "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.045];
-    "arm_swing" arm_swing: [0.0, 1.2], stray [0.65, 0.1];
-    "arm_forward" arm_forward: ARM_FORWARD, stray [0.0, 0.33];
-    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.24];
+    "arm_swing" arm_swing: [0.0, 1.2], stray [0.7, 0.08];
+    "arm_forward" arm_forward: ARM_FORWARD, stray [0.0, 0.25];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.25];
     "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.2];
     "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.5, 0.22];
     "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.25];
     "knee_flexion" knee_flexion: [-0.1, 0.3], stray [0.0, 0.06];
-    "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.15];
-    "trunk_turn" trunk_turn: [-0.3, 0.3], stray [0.0, 0.24];
+    "side_lean" side_lean: [-0.2, 0.2], stray [0.0, 0.18];
+    "trunk_turn" trunk_turn: [-0.3, 0.3], stray [0.0, 0.11];
     "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.18];
-    "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.3];
-    "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
-    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.36];
-    "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.3];
-    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.29];
-    "body.arms" body.arms: [0.85, 1.15], stray [0.1, 0.0];
-    "body.legs" body.legs: [0.85, 1.15], stray [0.05, 0.0];
+    "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.36];
+    "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.16];
+    "forward_asymmetry" forward_asymmetry: FORWARD_ASYMMETRY, stray [0.0, 0.24];
+    "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.22];
+    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.2];
+    "body.arms" body.arms: [0.85, 1.15], stray [0.14, 0.0];
+    "body.legs" body.legs: [0.85, 1.15], stray [0.085, 0.0];
 };
 
 impl WalkerStyle {
@@ -311,10 +313,7 @@ impl WalkerStyle {
             let stray = (share * value.abs() + absolute) * bell(seed, index, draw);
             (field.set)(&mut varied, (value + stray).clamp(field.range[0], field.range[1]));
         }
-        // Arms hang: a forearm held farther forward takes the upper arm as far back as their weights balance.
-        let [back, front] = ARM_FORWARD;
-        let hangs = varied.arm_forward - HANGING * (varied.elbow_flexion - self.elbow_flexion);
-        varied.arm_forward = hangs.clamp(back, front);
+        varied.hang_together(self);
         // Who walks faster takes longer and quicker steps alike (Grieve 1968).
         varied.cycle_time *= (self.speed / varied.speed).sqrt();
         // People of longer legs walk faster at the same cadence in proportion to them.
@@ -322,6 +321,18 @@ impl WalkerStyle {
         let longest = LONGEST_STRIDE * varied.body.leg();
         varied.cycle_time = varied.cycle_time.min(longest / varied.speed);
         varied
+    }
+
+    /// Of what an individual differs in from `usual`, some follows from the rest: a forearm held farther forward takes the upper
+    /// arm back, and a trunk bent farther forward has arms farther back and a head that is bent back in part.
+    fn hang_together(&mut self, usual: &Self) {
+        let bent = self.lean + self.slump - usual.lean - usual.slump;
+        let elbows = self.elbow_flexion - usual.elbow_flexion;
+        let one_elbow = self.elbow_asymmetry - usual.elbow_asymmetry;
+        let within = |value: f64, [low, high]: [f64; 2]| value.clamp(low, high);
+        self.arm_forward = within(self.arm_forward - HANGING * elbows - BALANCED * bent, ARM_FORWARD);
+        self.forward_asymmetry = within(self.forward_asymmetry - HANGING * one_elbow, FORWARD_ASYMMETRY);
+        self.neck_flexion = within(self.neck_flexion - LEVELLED * bent, NECK_FLEXION);
     }
 
     /// Checks every number against its range.
@@ -352,9 +363,13 @@ pub struct OutOfRange {
     pub range: [f64; 2],
 }
 
-/// An upper arm that hangs goes back by so much of what its elbow bends more: at 30 degrees of bend, by the masses and their
-/// centres in Winter ("Biomechanics and Motor Control of Human Movement", 2009, table 4.1).
-const HANGING: f64 = 0.25;
+/// How far an upper arm goes back of what its elbow bends more. Of E-Gait's people of BML and CMU, within one emotion (6 groups of 8
+/// to 30), the slopes are -0.8 to -0.2; a hanging arm's weights ask for -0.25 (Winter 2009, table 4.1).
+const HANGING: f64 = 0.45;
+/// Of a farther bend of the upper trunk, so much is taken back by the upper arms, and so much by the neck. In the same groups the
+/// slopes of the arms are -0.5 to -0.3 in five, those of the head's pitch 0.4 to 0.5 in four.
+const BALANCED: f64 = 0.4;
+const LEVELLED: f64 = 0.55;
 
 /// Longest stride of an individual, legs: heel and toes of longer ones leave the knees too little room.
 const LONGEST_STRIDE: f64 = 1.95;

@@ -12,6 +12,11 @@ const CHEST_LAG: f64 = 0.02;
 const ELBOW_LAG: f64 = 0.01;
 /// No arm swings by more than this share of the mean less than the other, or more: a still arm looks lame.
 const UNEVEN: f64 = 0.45;
+/// The arm that swings more bends more: by this share of how much more it swings.
+const UNEVEN_ELBOWS: f64 = 0.5;
+/// A forearm goes outwards by this share of what the upper arm does, and inwards by this share of the elbow's bend.
+const FOREARM_OUT: f64 = 0.55;
+const FOREARM_IN: f64 = 0.2;
 /// No elbow is straighter than this.
 const LEAST_BEND: f64 = 0.1;
 /// The elbow's bend over its swing, by the swing `s` of -1 to 1: `0.3 + 0.5 s + 0.2 s^2`. Its second harmonic is a fifth of the
@@ -21,9 +26,9 @@ const ELBOW_CURVE: [f64; 3] = [0.3, 0.5, 0.2];
 const HIGHEST_FOREARM: f64 = 1.1;
 const HELD_DOWN: f64 = 0.85;
 /// No upper arm swings far behind the shoulder, and none stays in front of it: beyond these it gives up [`HELD`] of the excess.
-/// CMU's neutral and happy people swing 10 to 38 degrees back (5 to 95 %); these are 17 and 40, of which some is given up.
-const FARTHEST_BACK: f64 = 0.7;
-const LEAST_BACK: f64 = 0.3;
+/// CMU's neutral and happy people swing 10 to 38 degrees back (5 to 95 %).
+const FARTHEST_BACK: f64 = 0.75;
+const LEAST_BACK: f64 = 0.34;
 const HELD: f64 = 0.75;
 
 /// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
@@ -74,14 +79,15 @@ fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
     let bent = (style.elbow_flexion + 0.5 * side * style.elbow_asymmetry).max(LEAST_BEND);
     let [mean, first, second] = ELBOW_CURVE;
     let s = swing(ELBOW_LAG);
-    let highest = middle + amplitude + bent + style.elbow_swing;
-    let bends = (style.elbow_swing - HELD_DOWN * (highest - HIGHEST_FOREARM).max(0.0)).max(0.0);
+    let share = if style.arm_swing > 0.0 { side * uneven / style.arm_swing } else { 0.0 };
+    let elbow_swing = style.elbow_swing * (1.0 + UNEVEN_ELBOWS * share);
+    let highest = middle + amplitude + bent + elbow_swing;
+    let bends = (elbow_swing - HELD_DOWN * (highest - HIGHEST_FOREARM).max(0.0)).max(0.0);
     let elbow = bent + bends * (mean + s * (first + s * second));
     let apart = style.arm_abduction + 0.5 * side * style.abduction_asymmetry;
     let out = apart.max(0.0) - style.arm_cross * (0.5 + 0.5 * swing(0.0));
     let outward = Turn::new(out);
-    // The forearm turns inwards as it bends.
-    let inward = Turn::new(0.5 * out - 0.30 * elbow);
+    let inward = Turn::new(FOREARM_OUT * out - FOREARM_IN * elbow);
     (limb(side, flexion, outward), limb(side, flexion + elbow, inward))
 }
 
