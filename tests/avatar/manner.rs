@@ -255,6 +255,39 @@ fn individuals_of_each_emotion_spread_as_people_do() {
 }
 
 #[test]
+fn both_arms_of_an_agent_have_one_posture_and_balance_its_trunk() {
+    for emotion in Emotion::ALL {
+        let mut people = People::of_one_gait(emotion, 600);
+        let drawn = people.stride();
+        people.store.frame.individuals = 0.0;
+        let gait = people.stride();
+        // ahead of the gait, rad: the trunk from the waist up, the upper arms from the shoulders down
+        let own = |agent: usize| {
+            let lines = [
+                (Joint::Spine, Joint::Neck, 1.0),
+                (Joint::LeftShoulder, Joint::LeftElbow, -1.0),
+                (Joint::RightShoulder, Joint::RightElbow, -1.0),
+            ];
+            lines.map(|(from, to, up)| {
+                let ahead = |body: &Places| {
+                    let line = body[to as usize] - body[from as usize];
+                    line.z.atan2(up * line.y)
+                };
+                let differs =
+                    |(drawn, gait): (&Vec<Places>, &Vec<Places>)| ahead(&drawn[agent]) - ahead(&gait[agent]);
+                drawn.iter().zip(&gait).map(differs).sum::<f32>() / PHASES as f32
+            })
+        };
+        let all: Vec<_> = people.agents().map(own).collect();
+        let product = |a: usize, b: usize| all.iter().map(|own| own[a] * own[b]).sum::<f32>();
+        let together = product(1, 2) / (product(1, 1) * product(2, 2)).sqrt();
+        let balance = (product(0, 1) + product(0, 2)) / (2.0 * product(0, 0));
+        println!("{emotion}: arms agree by {together:.2} and take {balance:.2} of the trunk's lean");
+        assert!(together > 0.6 && (-0.6..-0.2).contains(&balance), "{emotion}: {together} {balance}");
+    }
+}
+
+#[test]
 fn no_two_of_a_hundred_agents_with_one_gait_are_alike() {
     for emotion in Emotion::ALL {
         let stride = People::of_one_gait(emotion, 100).stride();

@@ -340,12 +340,13 @@ fn counter(backend: Backend) -> Option<Simulation> {
 #[test]
 fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
     let mut simulation = counter(Backend::Cpu).unwrap();
-    let (mut joined, mut served, mut longest) = (Vec::new(), Vec::new(), 0);
+    let (mut joined, mut served, mut longest, mut pressed) = (Vec::new(), Vec::new(), 0, 0);
     for step in 0..30 * 180 {
         simulation.step(1).unwrap();
         let now = moment(&mut simulation);
         // where all press to the end of the line, the agent ahead squeezes through at 0.8 of the radii
-        assert!(now.overlapping_pairs <= 1 && now.min_clearance > -0.2 * 0.42, "step {step}: {now:?}");
+        assert!(now.min_clearance > -0.2 * 0.42, "step {step}: {now:?}");
+        pressed += u32::from(now.overlapping_pairs > 0);
         let store = simulation.state().unwrap();
         for agent in 0..40_usize {
             if store.stage_progress[agent] > 0 && !joined.contains(&agent) {
@@ -358,6 +359,8 @@ fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
         }
         longest = longest.max(store.queues[2] - store.queues[1]);
     }
+    // nine seeds have 0 to 16 such steps
+    assert!(pressed <= 30, "who squeezes through is past in a second of three minutes: {pressed} steps");
     assert_eq!((joined.len(), longest), (40, 10), "the line was full and no agent was forgotten");
     assert_eq!(served.iter().map(|(agent, _)| *agent).collect::<Vec<_>>(), joined);
     for pair in served.windows(2) {

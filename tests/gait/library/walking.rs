@@ -187,6 +187,30 @@ fn individuals_differ_are_repeatable_and_always_walk() {
 }
 
 #[test]
+fn what_hangs_together_in_people_does_so_in_individuals() {
+    let usual = WalkerStyle::preset(Emotion::Neutral, Sex::Male);
+    let individuals: Vec<_> = (0..2_000).map(|index| usual.vary(5, index)).collect();
+    let slope = |of: fn(&WalkerStyle) -> f64, on: fn(&WalkerStyle) -> f64| {
+        let pairs = individuals.iter().map(|own| (on(own) - on(&usual), of(own) - of(&usual)));
+        let (both, square) = pairs.fold((0.0, 0.0), |(both, square), (x, y)| (both + x * y, square + x * x));
+        both / square
+    };
+    let bend = |style: &WalkerStyle| style.lean + style.slump;
+    let slopes = [
+        slope(|own| own.arm_forward, bend),
+        slope(|own| own.neck_flexion, bend),
+        slope(|own| own.arm_forward, |own| own.elbow_flexion),
+        slope(|own| own.forward_asymmetry, |own| own.elbow_asymmetry),
+    ];
+    println!("arms and neck on the trunk, arms on elbows, one arm on its elbow: {slopes:.2?}");
+    // E-Gait's people of BML and CMU: the head's pitch follows the chest's by 0.4 to 0.5, so the neck takes back the rest
+    let of_people = [[-0.5, -0.3], [-0.6, -0.5], [-0.8, -0.2], [-0.8, -0.2]];
+    for (slope, [low, high]) in slopes.into_iter().zip(of_people) {
+        assert!((low..high).contains(&slope), "{slopes:?}");
+    }
+}
+
+#[test]
 fn mixtures_lie_between_and_walk() {
     let styles = Emotion::ALL.map(|emotion| WalkerStyle::preset(emotion, Sex::Female));
     let half = WalkerStyle::mix(&[(styles[0], 1.0), (styles[2], 1.0)]).unwrap();
