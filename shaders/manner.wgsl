@@ -16,7 +16,7 @@
 const CIRCLE: f32 = 6.2831853;  // rad of a stride
 const UNITS: f32 = 16777216.0;  // of a phase without its lowest eight bits
 
-// The largest deviations to either side, rad: about half of those of the walker's individuals, whom they add to.
+// The largest deviations to either side, rad. They add to those of the walker's individuals, most of which are larger.
 const LEAN: f32 = 0.14;
 const SIDE_LEAN: f32 = 0.075;
 const TRUNK_TURN: f32 = 0.08;
@@ -25,7 +25,7 @@ const NECK_FLEXION: f32 = 0.18;
 const NOD: f32 = 0.012;          // twice a stride
 const HEAD_TURN: f32 = 0.09;
 const HEAD_TILT: f32 = 0.06;
-const ARM_AHEAD: f32 = 0.23;
+const ARM_AHEAD: f32 = 0.23;     // of both arms
 const ARMS_APART: f32 = 0.09;    // one ahead of the other
 const ARM_SWING: vec4<f32> = vec4<f32>(0.15, 0.13, 0.1, 0.11); // by emotion: the sad swing their arms little
 const ARM_LATE: f32 = 0.6;       // of the swing, a quarter of a stride later

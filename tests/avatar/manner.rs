@@ -131,6 +131,13 @@ impl People {
         })
     }
 
+    /// A stride as everyone is drawn, and as their gaits have it.
+    fn drawn_and_of_gaits(&mut self) -> [Vec<Vec<Places>>; 2] {
+        let drawn = self.stride();
+        self.store.frame.individuals = 0.0;
+        [drawn, self.stride()]
+    }
+
     fn at_each_phase(&mut self, look: impl Fn(&mut Self) -> Vec<Places>) -> Vec<Vec<Places>> {
         (0..PHASES)
             .map(|phase| {
@@ -236,9 +243,7 @@ fn shares_are_bounded_independent_and_zero_in_the_mean() {
 fn individuals_of_each_emotion_spread_as_people_do() {
     for emotion in Emotion::ALL {
         let mut crowd = People::of_all_gaits(emotion, 600);
-        let drawn = crowd.stride();
-        crowd.store.frame.individuals = 0.0;
-        let clips = crowd.stride();
+        let [drawn, clips] = crowd.drawn_and_of_gaits();
         let own = People::of_one_gait(emotion, 600).stride();
         let built = People::of_all_gaits(emotion, 600).built_as_adults().stride_as_built();
         let cm = [&clips, &own, &drawn, &built].map(|stride| spread(stride));
@@ -258,9 +263,7 @@ fn individuals_of_each_emotion_spread_as_people_do() {
 fn both_arms_of_an_agent_have_one_posture_and_balance_its_trunk() {
     for emotion in Emotion::ALL {
         let mut people = People::of_one_gait(emotion, 600);
-        let drawn = people.stride();
-        people.store.frame.individuals = 0.0;
-        let gait = people.stride();
+        let [drawn, gait] = people.drawn_and_of_gaits();
         // ahead of the gait, rad: the trunk from the waist up, the upper arms from the shoulders down
         let own = |agent: usize| {
             let lines = [
@@ -312,9 +315,7 @@ fn no_two_of_a_hundred_agents_with_one_gait_are_alike() {
 fn two_thousand_agents_walk_in_the_mean_as_their_gait() {
     for emotion in Emotion::ALL {
         let mut people = People::of_one_gait(emotion, 2_000);
-        let drawn = people.stride();
-        people.store.frame.individuals = 0.0;
-        let gait = people.stride();
+        let [drawn, gait] = people.drawn_and_of_gaits();
         let mut worst = 0.0_f32;
         for (drawn, gait) in drawn.iter().zip(&gait) {
             for (joint, place) in gait[0].iter().enumerate() {
@@ -344,9 +345,7 @@ fn arm_of(body: &Places, arm: &[Joint; 3]) -> ([Vec3; 2], [Vec3; 3]) {
 fn elbows_bend_forwards_and_arms_stay_beside_the_trunk() {
     for emotion in Emotion::ALL {
         let mut people = People::of_all_gaits(emotion, 1_200);
-        let drawn = people.stride();
-        people.store.frame.individuals = 0.0;
-        let gaits = people.stride();
+        let [drawn, gaits] = people.drawn_and_of_gaits();
         let (mut straightest, mut most) = (f32::MAX, 0.0_f32);
         let (mut nearest, mut nearest_gait) = (f32::MAX, f32::MAX);
         for (drawn, gait) in drawn.iter().flatten().zip(gaits.iter().flatten()) {
