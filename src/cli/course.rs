@@ -11,6 +11,7 @@ use crate::sim::departures::{Departures, Evacuation};
 use crate::sim::measured::{Extremes, MEASURED};
 use crate::sim::{self, Simulation, measure};
 use crate::{Error, stop};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -142,8 +143,7 @@ impl Recording {
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let store = simulation.state()?;
         let agents = store.step.agent_count as usize;
-        self.headings.clear();
-        self.headings.extend(store.stance[..agents].iter().map(|stance| stance.heading));
+        store.stance[..agents].par_iter().map(|stance| stance.heading).collect_into_vec(&mut self.headings);
         let emotions = if store.step.feels == 0 { &[] } else { &store.feeling[..agents] };
         let frame = Frame {
             positions: bytemuck::cast_slice(&store.position[..agents]),

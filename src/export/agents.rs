@@ -140,24 +140,54 @@ pub(super) struct Attendance {
     there: Vec<bool>,
 }
 
+/// An agent, by number, that has come, or gone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Change {
+    agent: usize,
+    is_there: bool,
+}
+
+/// What a part of a frame shows.
+#[derive(Debug)]
+pub(super) struct Seen {
+    /// How many are there.
+    pub(super) present: usize,
+    pub(super) changes: Vec<Change>,
+}
+
 impl Attendance {
     /// Notes who comes and goes with a frame.
     pub(super) fn see(&mut self, frame: u32, positions: &[Vec2]) {
-        let agents = self.there.len().max(positions.len());
-        self.there.resize(agents, false);
-        self.known.resize(agents, None);
-        let (listed, others) = self.there.split_at_mut(positions.len());
-        let (known, known_others) = self.known.split_at_mut(positions.len());
-        for ((was, known), place) in listed.iter_mut().zip(known).zip(positions) {
-            let is = !is_absent(place.to_array());
-            if is != *was {
-                *was = is;
-                note(known, frame, is);
+        let seen = self.compare(0, positions);
+        self.apply(frame, positions.len(), &seen.changes);
+    }
+
+    /// Who of a part of a frame, from an agent on, is there, and was not in the last frame, or the other way round.
+    pub(super) fn compare(&self, first: usize, positions: &[Vec2]) -> Seen {
+        let known = self.there.get(first..).unwrap_or_default();
+        let was = known.iter().copied().chain(std::iter::repeat(false));
+        let mut seen = Seen { present: 0, changes: Vec::new() };
+        for ((agent, place), was) in (first..).zip(positions).zip(was) {
+            let is_there = !is_absent(place.to_array());
+            seen.present += usize::from(is_there);
+            if is_there != was {
+                seen.changes.push(Change { agent, is_there });
             }
         }
-        for (was, known) in others.iter_mut().zip(known_others).filter(|(was, _)| **was) {
-            *was = false;
-            note(known, frame, false);
+        seen
+    }
+
+    /// Notes changes of a frame of so many agents. Others have gone.
+    pub(super) fn apply(&mut self, frame: u32, agents: usize, changes: &[Change]) {
+        let all = self.there.len().max(agents);
+        self.there.resize(all, false);
+        self.known.resize(all, None);
+        let others = (agents..all).map(|agent| Change { agent, is_there: false });
+        for Change { agent, is_there } in changes.iter().copied().chain(others) {
+            if self.there[agent] != is_there {
+                self.there[agent] = is_there;
+                note(&mut self.known[agent], frame, is_there);
+            }
         }
     }
 
@@ -175,5 +205,44 @@ fn note(known: &mut Option<Presence>, frame: u32, is_there: bool) {
     let known = known.get_or_insert(Presence { first: frame, last: frame });
     if !is_there {
         known.last = frame.saturating_sub(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ground::ABSENT;
+
+    #[test]
+    fn a_frame_in_parts_shows_what_the_whole_shows() {
+        let place = |is_there: bool| Vec2::splat(if is_there { 1.0 } else { ABSENT });
+        // the fourth is shorter: others have gone
+        let frame = |number: u32, agents: u32| -> Vec<Vec2> {
+            (0..agents).map(|agent| place(!(agent * 7 + number * 3).is_multiple_of(5))).collect()
+        };
+        let frames = [frame(0, 50), frame(1, 50), frame(2, 60), frame(3, 40), frame(4, 60)];
+        let (mut whole, mut parts) = (Attendance::default(), Attendance::default());
+        for (number, positions) in (0..).zip(&frames) {
+            whole.see(number, positions);
+            let seen: Vec<Seen> =
+                (0..).zip(positions.chunks(7)).map(|(part, own)| parts.compare(part * 7, own)).collect();
+            let present: usize = seen.iter().map(|seen| seen.present).sum();
+            assert_eq!(present, positions.iter().filter(|place| place.x < 2.0).count());
+            let changes: Vec<Change> = seen.into_iter().flat_map(|seen| seen.changes).collect();
+            parts.apply(number, positions.len(), &changes);
+        }
+        let (whole, parts) = (whole.finish(5), parts.finish(5));
+        assert_eq!(whole, parts);
+        // who is there in frames 1, 2 and 4 of these; 45 is not in the short one
+        let there = |agent: u32| {
+            (0..5).filter(|number| {
+                frames[*number as usize].get(agent as usize).is_some_and(|place| place.x < 2.0)
+            })
+        };
+        for agent in [3, 45, 55] {
+            let presence = whole[agent as usize].unwrap();
+            assert_eq!(Some(presence.first), there(agent).next());
+            assert_eq!(Some(presence.last), there(agent).last());
+        }
     }
 }

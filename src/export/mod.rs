@@ -44,6 +44,8 @@ mod parquet_table;
 mod plane;
 #[cfg_attr(not(feature = "charts"), path = "without_charts.rs")]
 mod raster;
+#[cfg(feature = "parquet")]
+mod rounded;
 mod svg;
 pub mod trajectory;
 #[cfg_attr(not(feature = "parquet"), path = "without_parquet.rs")]

@@ -2,6 +2,7 @@
 
 use super::parquet_encode::{delta, flags, levels, split, words};
 use super::parquet_table::{EXACT_LEVEL, HASTY_LEVEL, Kind, LEVEL, Values};
+use super::rounded::{Rounded, STEPS, of_steps};
 use bytes::{Buf, Bytes};
 use parquet::basic::{Compression, Encoding, ZstdLevel};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
@@ -14,29 +15,13 @@ use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
 use parquet::schema::types::ColumnDescPtr;
 use zstd::bulk::Compressor;
 
-/// Words of a dictionary are multiples of its inverse.
-pub(super) const STEPS: f32 = 1024.0;
-/// Most steps from zero of a word: the lower 16 bits of its number of steps are its own.
-const FARTHEST: f32 = 32_767.0;
-/// Added to whole numbers this leaves them in the lower bits of the sum.
-pub(super) const WHOLE: f32 = 12_582_912.0; // 1.5 * 2^23
-
 /// Numbers of words in a dictionary of all steps as far from zero as a column's values are: 0, -1, 1, -2, 2 and so on. So the number
 /// of a word follows from its value, by arithmetic that the compiler turns into vectors, and no word is looked for. Returns how many
-/// words there must be; none where a value is too far from zero.
-fn look_up(values: &[f32], found: &mut Vec<u16>) -> Option<u16> {
-    let is_near = |value: &f32| value.abs() <= FARTHEST / STEPS;
-    // without an early end, so that the compiler makes vectors of it
-    if !values.iter().fold(true, |all, value| all & is_near(value)) {
-        return None;
-    }
+/// words there must be.
+fn look_up(steps: &[i16], found: &mut Vec<u16>) -> u16 {
     found.clear();
-    found.extend(values.iter().map(|value| {
-        let [low, high, ..] = (value * STEPS + WHOLE).to_bits().to_le_bytes();
-        let step = i16::from_le_bytes([low, high]);
-        (step << 1 ^ step >> 15).cast_unsigned()
-    }));
-    Some(found.iter().copied().max().unwrap_or(0) + 1) // the farthest steps have the numbers 65,533 and 65,534
+    found.extend(steps.iter().map(|step| (step << 1 ^ step >> 15).cast_unsigned()));
+    found.iter().copied().max().unwrap_or(0) + 1 // the farthest steps have the numbers 65,533 and 65,534
 }
 
 /// The word of a number.
@@ -179,12 +164,18 @@ impl Chunk {
         match values {
             // nothing: no reader looks for a dictionary that no page needs
             Values::Float([]) => Ok(Encoding::PLAIN),
+            Values::Rounded(Rounded::Near(steps)) if has_words && !steps.is_empty() => {
+                let needed = look_up(steps, &mut self.found);
+                words(out, &self.found, needed);
+                self.words = self.words.max(needed);
+                Ok(Encoding::RLE_DICTIONARY)
+            }
+            Values::Rounded(Rounded::Near(steps)) => {
+                let values: Vec<f32> = steps.iter().map(|step| of_steps(*step)).collect();
+                self.encode(&Values::Float(&values))
+            }
+            Values::Rounded(Rounded::Far(values)) => self.encode(&Values::Float(values)),
             Values::Float(values) => {
-                if has_words && let Some(needed) = look_up(values, &mut self.found) {
-                    words(out, &self.found, needed);
-                    self.words = self.words.max(needed);
-                    return Ok(Encoding::RLE_DICTIONARY);
-                }
                 split(out, values);
                 Ok(Encoding::BYTE_STREAM_SPLIT)
             }

@@ -103,6 +103,8 @@ pub(super) fn delta(out: &mut Vec<u8>, values: &[i32]) {
     varint(out, values.len() as u64);
     zigzag(out, values.first().copied().unwrap_or(0));
     let mut deltas = [0_i32; BLOCK];
+    let mut last = deltas;
+    let mut coded = out.len()..out.len();
     let mut start = 0;
     while start + 1 < values.len() {
         let block = &values[start..values.len().min(start + BLOCK + 1)];
@@ -110,6 +112,14 @@ pub(super) fn delta(out: &mut Vec<u8>, values: &[i32]) {
         for ((delta, from), to) in deltas.iter_mut().zip(block).zip(&block[1..]) {
             *delta = to.wrapping_sub(*from);
         }
+        start += count;
+        // most often a block is as the one before it: of so many frames, the same numbers for each agent
+        if deltas == last && count == BLOCK && !coded.is_empty() {
+            out.extend_from_within(coded.clone());
+            continue;
+        }
+        last = deltas;
+        coded.start = out.len();
         let least = deltas[..count].iter().copied().min().unwrap_or(0);
         zigzag(out, least);
         // what fills the last miniblock is zero, as packed
@@ -131,7 +141,7 @@ pub(super) fn delta(out: &mut Vec<u8>, values: &[i32]) {
                 }
             }
         }
-        start += count;
+        coded.end = out.len();
     }
 }
 

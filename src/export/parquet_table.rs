@@ -5,6 +5,7 @@ use super::Error;
 use super::atomic::wrong;
 use super::columns::VERSION_KEY;
 use super::parquet_chunk::Chunk;
+use super::rounded::Rounded;
 use crate::file::Partial;
 use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type};
@@ -58,6 +59,8 @@ pub(super) struct ColumnOf {
 pub(super) enum Values<'a> {
     Whole(&'a [i32]),
     Float(&'a [f32]),
+    /// In chunks only.
+    Rounded(&'a Rounded),
     Double(&'a [f64]),
     Flag(&'a [bool]),
     Word(&'a [ByteArray]),
@@ -69,6 +72,8 @@ impl Values<'_> {
         match self {
             Values::Whole(values) => values.len(),
             Values::Float(values) => values.len(),
+            Values::Rounded(Rounded::Near(steps)) => steps.len(),
+            Values::Rounded(Rounded::Far(values)) => values.len(),
             Values::Double(values) => values.len(),
             Values::Flag(values) => values.len(),
             Values::Word(values) => values.len(),
@@ -117,6 +122,9 @@ impl Table {
                 Values::Double(values) => put::<DoubleType>(&mut open, values, *levels)?,
                 Values::Flag(values) => put::<BoolType>(&mut open, values, *levels)?,
                 Values::Word(values) => put::<ByteArrayType>(&mut open, values, *levels)?,
+                Values::Rounded(_) => {
+                    return Err(ParquetError::NYI("rounded numbers outside of chunks".to_owned()));
+                }
             }
             open.close()?;
         }

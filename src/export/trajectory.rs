@@ -22,6 +22,8 @@ use glam::Vec2;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// Agents of a frame that a thread looks at at once: they stay in its cache.
+pub(super) const TOGETHER: usize = 1 << 14;
 /// Most frames of one file: frame numbers are 32 bits in readers.
 const MAX_FRAMES: u32 = i32::MAX as u32;
 
@@ -216,8 +218,20 @@ impl TrajectoryWriter {
     /// [`Error::Write`], [`Error::Sqlite`] or [`Error::Parquet`] when the disc is full; of Parquet, which a thread writes, with
     /// a later frame.
     pub fn frame(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
-        self.check(frame)?;
+        self.fits(frame)?;
         let number = self.frames;
+        if let Sink::Parquet(file) = &mut self.sink {
+            file.frame(number, frame, &mut self.attendance)?;
+            self.frames += 1;
+            return Ok(());
+        }
+        // in three sweeps; only who fails is looked for one by one
+        if !(all_finite(bytemuck::cast_slice(frame.positions))
+            && all_finite(frame.headings)
+            && all_finite(bytemuck::cast_slice(frame.velocities)))
+        {
+            refuse_infinite(&self.path, number, frame)?;
+        }
         self.attendance.see(number, frame.positions);
         let there = || samples(frame);
         let agents = &self.agents;
@@ -229,8 +243,7 @@ impl TrajectoryWriter {
                 let others = there().filter(|sample| kind(sample) != AgentKind::Person);
                 database.frame(number, people, others)?;
             }
-            Sink::Parquet(file) => file.frame(number, frame)?,
-            Sink::Agents => {}
+            Sink::Parquet(_) | Sink::Agents => {}
             Sink::Text(file) => {
                 text_frame(file, number, people()).map_err(super::atomic::wrong(&self.path))?;
             }
@@ -243,8 +256,8 @@ impl TrajectoryWriter {
         Ok(())
     }
 
-    /// Refuses lists that do not fit one another, and numbers that are none.
-    fn check(&self, frame: &Frame<'_>) -> Result<(), Error> {
+    /// Refuses lists that do not fit one another.
+    fn fits(&self, frame: &Frame<'_>) -> Result<(), Error> {
         let unusable = |message: String| Error::Unusable { path: self.path.clone(), message };
         let Frame { positions, headings, velocities, emotions } = frame;
         let (number, p, h) = (self.frames, positions.len(), headings.len());
@@ -260,23 +273,6 @@ impl TrajectoryWriter {
         }
         if number >= MAX_FRAMES || u32::try_from(p).is_err() {
             return Err(unusable(format!("more than {MAX_FRAMES} frames or agents; split the run")));
-        }
-        // in three sweeps, which the compiler turns into vectors; only who fails is looked for one by one
-        let finite = |values: &[f32]| values.iter().fold(true, |all, value| all & value.is_finite());
-        if finite(bytemuck::cast_slice(positions))
-            && finite(headings)
-            && finite(bytemuck::cast_slice(velocities))
-        {
-            return Ok(());
-        }
-        let is_whole = |s: &Sample| {
-            s.position.is_finite() && s.heading.is_finite() && s.velocity.is_none_or(Vec2::is_finite)
-        };
-        if let Some(Sample { id, position, heading, .. }) = samples(frame).find(|sample| !is_whole(sample)) {
-            let message = format!(
-                "frame {number}: agent {id} is at {position}, heading {heading}; both and its velocity must be finite"
-            );
-            return Err(unusable(message));
         }
         Ok(())
     }
@@ -299,6 +295,27 @@ impl TrajectoryWriter {
             Sink::Text(file) | Sink::Csv(file) => file.finish().map(|()| Ground::default()),
         }
     }
+}
+
+/// Refuses numbers that are none, of agents that are there.
+pub(super) fn refuse_infinite(path: &Path, number: u32, frame: &Frame<'_>) -> Result<(), Error> {
+    let is_whole = |s: &Sample| {
+        s.position.is_finite() && s.heading.is_finite() && s.velocity.is_none_or(Vec2::is_finite)
+    };
+    match samples(frame).find(|sample| !is_whole(sample)) {
+        Some(Sample { id, position, heading, .. }) => {
+            let message = format!(
+                "frame {number}: agent {id} is at {position}, heading {heading}; both and its velocity must be finite"
+            );
+            Err(Error::Unusable { path: path.to_owned(), message })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Whether numbers are. Without an early end, so that the compiler makes vectors of it.
+pub(super) fn all_finite(values: &[f32]) -> bool {
+    values.iter().fold(true, |all, value| all & value.is_finite())
 }
 
 /// The agents present in a frame.

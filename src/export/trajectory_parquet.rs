@@ -7,16 +7,17 @@
 //! thread; then the steps wait for it. What goes wrong in it is the error of a later frame, or of the end.
 
 use super::Error;
-use super::agents::{AgentInfo, AgentKind, Presence};
+use super::agents::{AgentInfo, AgentKind, Attendance, Change, Presence, Seen};
 use super::area::{Area, Ground};
 use super::atomic::wrong;
 use super::columns::{AREA_KEY, FRAME_RATE_KEY, agents_path};
 use super::parquet_table::{Table, refused};
-use super::trajectory::Frame;
+use super::trajectory::{Frame, TOGETHER, all_finite, refuse_infinite};
 use super::trajectory_rows::{COLUMNS, Copied, Rows};
 use crate::file::Partial;
-use crate::ground::is_absent;
+use glam::Vec2;
 use parquet::errors::ParquetError;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
@@ -25,22 +26,45 @@ use std::thread::JoinHandle;
 const QUEUE: usize = 1 << 22;
 /// Rows of a row group, at least: a file has at most 32,767 groups.
 const GROUP: usize = 1 << 18;
-/// Frames of a row group, at least, unless it has [`MOST`] rows.
+/// Frames of a row group, at least, unless as many again were more than [`MOST`] rows.
 const FRAMES: usize = 8;
-/// Rows of a row group from which on it is written whatever its frames: as columns they take some 40 MB.
+/// Rows of a row group of few frames, at most, but for that of one frame: as columns they take some 40 MB.
 const MOST: usize = 1 << 22;
 
-/// Copies a frame into memory that is there already.
-fn take(copied: &mut Copied, number: u32, frame: &Frame<'_>) {
-    copied.number = number;
-    copied.positions.clear();
-    copied.positions.extend_from_slice(frame.positions);
-    copied.headings.clear();
-    copied.headings.extend_from_slice(frame.headings);
-    copied.velocities.clear();
-    copied.velocities.extend_from_slice(frame.velocities);
-    copied.emotions.clear();
-    copied.emotions.extend_from_slice(frame.emotions);
+/// Whether so many frames with so many rows are a row group. They are 1, 2, 4 or another power of two, which are made rows of the
+/// fastest, unless they have too many rows already.
+const fn is_group(frames: usize, rows: usize) -> bool {
+    let is_long = frames >= FRAMES || 2 * rows > MOST;
+    rows >= MOST || rows >= GROUP && is_long && frames.is_power_of_two()
+}
+
+/// What a frame shows: who comes or goes, and whether its numbers are finite.
+struct Look {
+    changes: Vec<Change>,
+    is_finite: bool,
+}
+
+/// Copies a frame into memory that is there already, on all cores: the steps wait for it.
+fn take(copied: &mut Copied, frame: &Frame<'_>, attendance: &Attendance) -> Look {
+    let Frame { positions, headings, velocities, emotions } = *frame;
+    let velocities: &[f32] = bytemuck::cast_slice(velocities);
+    copied.positions.resize(positions.len(), Vec2::ZERO);
+    // a part is read from memory once
+    let parts = positions.par_chunks(TOGETHER).zip(copied.positions.par_chunks_mut(TOGETHER)).enumerate();
+    let look = parts.map(|(number, (from, to))| {
+        to.copy_from_slice(from);
+        (attendance.compare(number * TOGETHER, from), all_finite(bytemuck::cast_slice(from)))
+    });
+    let (seen, are_finite): (Vec<Seen>, Vec<bool>) = look.unzip();
+    copied.present = seen.iter().map(|seen| seen.present).sum();
+    copied.headings.take(headings);
+    copied.velocities.take(velocities);
+    copied.emotions.take(emotions.as_flattened());
+    // what is near zero is finite
+    let is_finite = are_finite.into_iter().all(|is_finite| is_finite)
+        && (copied.headings.is_near() || all_finite(headings))
+        && (copied.velocities.is_near() || all_finite(velocities));
+    Look { changes: seen.into_iter().flat_map(|seen| seen.changes).collect(), is_finite }
 }
 
 #[derive(Debug)]
@@ -91,9 +115,20 @@ impl Parquet {
         Ok(Self { path: path.to_owned(), sender: Some(sender), used, thread: Some(thread) })
     }
 
-    pub(super) fn frame(&mut self, number: u32, frame: &Frame<'_>) -> Result<(), Error> {
+    /// Takes a frame, whose lists fit one another, and notes who comes and goes. Numbers that are not finite are refused.
+    pub(super) fn frame(
+        &mut self,
+        number: u32,
+        frame: &Frame<'_>,
+        attendance: &mut Attendance,
+    ) -> Result<(), Error> {
         let mut copied = self.used.try_recv().unwrap_or_default();
-        take(&mut copied, number, frame);
+        copied.number = number;
+        let look = take(&mut copied, frame, attendance);
+        if !look.is_finite {
+            refuse_infinite(&self.path, number, frame)?;
+        }
+        attendance.apply(number, frame.positions.len(), &look.changes);
         self.send(Message::Frame(copied))
     }
 
@@ -172,9 +207,9 @@ impl Writer {
         for message in receiver {
             let Message::Frame(frame) = message else { return Ok(true) };
             self.visit(&frame);
-            self.count += frame.positions.iter().filter(|place| !is_absent(place.to_array())).count();
+            self.count += frame.present;
             self.frames.push(frame);
-            if self.count >= MOST || self.count >= GROUP && self.frames.len() >= FRAMES {
+            if is_group(self.frames.len(), self.count) {
                 self.flush().map_err(refused(&self.path))?;
             }
         }
@@ -214,11 +249,27 @@ impl Writer {
     fn flush(&mut self) -> Result<(), ParquetError> {
         let are_people = &self.are_people;
         let is_person = |agent: usize| are_people.get(agent).copied().unwrap_or(true);
-        self.rows.write(&mut self.table, &self.frames, self.count, is_person)?;
+        self.rows.write(&mut self.table, &mut self.frames, self.count, is_person)?;
         for frame in self.frames.drain(..) {
             let _ = self.written.send(frame); // not taken once the simulation has ended
         }
         self.count = 0;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn row_groups_have_a_power_of_two_of_frames_or_very_many_rows() {
+        let ends = |agents: usize| (1..).find(|frames| is_group(*frames, frames * agents));
+        let expected = [(100, 4096), (10_000, 32), (40_000, 8), (500_000, 8), (600_000, 4), (1_000_000, 4)];
+        for (agents, frames) in expected {
+            assert_eq!(ends(agents), Some(frames), "{agents} agents");
+        }
+        assert_eq!(ends(5_000_000), Some(1));
+        assert!(is_group(1001, 5_000_000), "a crowd that comes after a thousand empty frames");
     }
 }

@@ -1,8 +1,9 @@
 //! Rows of a Parquet file of trajectories: frames, which hold a list for each fact, become pages of columns by agent, then by frame.
 
 use super::columns::{EMOTIONS, FRAME, HEADING, ID, IS_PERSON, VX, VY, X, Y};
-use super::parquet_chunk::{Chunk, STEPS, WHOLE};
+use super::parquet_chunk::Chunk;
 use super::parquet_table::{ColumnOf, Kind, PAGE, Table, Values};
+use super::rounded::Rounded;
 use crate::ground::is_absent;
 use glam::Vec2;
 use parquet::errors::ParquetError;
@@ -39,9 +40,24 @@ pub(super) const COLUMNS: [ColumnOf; 12] = [
 pub(super) struct Copied {
     pub(super) number: u32,
     pub(super) positions: Vec<Vec2>,
-    pub(super) headings: Vec<f32>,
-    pub(super) velocities: Vec<Vec2>,
-    pub(super) emotions: Vec<[f32; 4]>,
+    /// How many of these are there.
+    pub(super) present: usize,
+    /// A number for each agent; of velocities two, of feelings four, or none.
+    pub(super) headings: Rounded,
+    pub(super) velocities: Rounded,
+    pub(super) emotions: Rounded,
+}
+
+impl Copied {
+    /// Places of agents whose velocities are known: all or none.
+    fn moving(&self) -> &[Vec2] {
+        if self.velocities.is_empty() { &[] } else { &self.positions }
+    }
+
+    /// Places of agents whose feelings are known: all or none.
+    fn feeling(&self) -> &[Vec2] {
+        if self.emotions.is_empty() { &[] } else { &self.positions }
+    }
 }
 
 /// Rows of the next page, and the columns of the row group so far.
@@ -51,11 +67,11 @@ pub(super) struct Rows {
     id: Vec<i32>,
     x: Vec<f32>,
     y: Vec<f32>,
-    heading: Vec<f32>,
-    velocity: [Vec<f32>; 2],
+    heading: Rounded,
+    velocity: [Rounded; 2],
     has_velocity: Vec<bool>,
     is_person: Vec<bool>,
-    emotion: [Vec<f32>; 4],
+    emotion: [Rounded; 4],
     has_emotion: Vec<bool>,
     chunks: Vec<Chunk>,
 }
@@ -67,7 +83,7 @@ impl Rows {
             id: Vec::new(),
             x: Vec::new(),
             y: Vec::new(),
-            heading: Vec::new(),
+            heading: Rounded::default(),
             velocity: Default::default(),
             has_velocity: Vec::new(),
             is_person: Vec::new(),
@@ -81,10 +97,17 @@ impl Rows {
     pub(super) fn write(
         &mut self,
         table: &mut Table,
-        frames: &[Copied],
+        frames: &mut [Copied],
         count: usize,
         is_person: impl Fn(usize) -> bool,
     ) -> Result<(), ParquetError> {
+        let is_near = alike(frames, |frame| &mut frame.headings);
+        self.heading.begin(is_near);
+        let is_near = alike(frames, |frame| &mut frame.velocities);
+        self.velocity.iter_mut().for_each(|column| column.begin(is_near));
+        let is_near = alike(frames, |frame| &mut frame.emotions);
+        self.emotion.iter_mut().for_each(|column| column.begin(is_near));
+        let frames = &*frames;
         let is_fast = count >= FAST;
         self.chunks.iter_mut().try_for_each(|chunk| chunk.begin(is_fast))?;
         let page = if is_fast { FAST_PAGE } else { PAGE };
@@ -105,32 +128,23 @@ impl Rows {
     }
 
     fn append(&mut self, block: &Block<'_>, people: &[bool]) {
-        let there = block.mask(|frame| &frame.positions, |_, place| !is_absent(place.to_array()));
-        let moves = there.and(&block.mask(|frame| &frame.velocities, |_, _| true));
-        let feels = there.and(&block.mask(|frame| &frame.emotions, |agent, _| people[agent]));
+        let there = block.there();
+        let moves = there.and(&block.mask(Copied::moving, |_, _| true));
+        let feels = there.and(&block.mask(Copied::feeling, |agent, _| people[agent]));
         let whole = |number: usize| i32::try_from(number).unwrap_or(i32::MAX); // frames are checked
         let numbers: Vec<i32> = block.frames.iter().map(|frame| whole(frame.number as usize)).collect();
-        block.put(&mut self.frame, &there, |_, rows: &mut [i32]| rows.copy_from_slice(&numbers));
+        block.by_frame(&mut self.frame, &there, &numbers);
         let first = block.agents.start + 1;
-        block.put(&mut self.id, &there, |agent, rows| rows.fill(whole(first + agent)));
-        block.put(&mut self.is_person, &there, |agent, rows| rows.fill(people[agent]));
-        block.each(&mut self.x, &there, |frame| &frame.positions, |place| place.x, |_| ());
-        block.each(&mut self.y, &there, |frame| &frame.positions, |place| place.y, negate);
-        block.each(&mut self.heading, &there, |frame| &frame.headings, |heading| *heading, round);
+        block.by_agent(&mut self.id, &there, |agent| whole(first + agent));
+        block.by_agent(&mut self.is_person, &there, |agent| people[agent]);
+        block.each(&mut self.x, &there, |frame| &frame.positions, |place| place.x);
+        block.each(&mut self.y, &there, |frame| &frame.positions, |place| 0.0 - place.y); // no negative zeros
+        block.rounded::<1>(&mut self.heading, &there, |frame| &frame.headings, 0, false);
         let [vx, vy] = &mut self.velocity;
-        block.each(vx, &moves, |frame| &frame.velocities, |velocity| velocity.x, round);
-        block.each(
-            vy,
-            &moves,
-            |frame| &frame.velocities,
-            |velocity| velocity.y,
-            |all| {
-                negate(all);
-                round(all);
-            },
-        );
+        block.rounded::<2>(vx, &moves, |frame| &frame.velocities, 0, false);
+        block.rounded::<2>(vy, &moves, |frame| &frame.velocities, 1, true);
         for (number, column) in self.emotion.iter_mut().enumerate() {
-            block.each(column, &feels, |frame| &frame.emotions, |emotion| emotion[number], round);
+            block.rounded::<4>(column, &feels, |frame| &frame.emotions, number, false);
         }
         there.levels(&mut self.has_velocity, &moves);
         there.levels(&mut self.has_emotion, &feels);
@@ -146,14 +160,14 @@ impl Rows {
             (Values::Whole(&self.id), None),
             (Values::Float(&self.x), None),
             (Values::Float(&self.y), None),
-            (Values::Float(&self.heading), None),
-            (Values::Float(vx), moves),
-            (Values::Float(vy), moves),
+            (Values::Rounded(&self.heading), None),
+            (Values::Rounded(vx), moves),
+            (Values::Rounded(vy), moves),
             (Values::Flag(&self.is_person), None),
-            (Values::Float(happy), feels),
-            (Values::Float(angry), feels),
-            (Values::Float(sad), feels),
-            (Values::Float(neutral), feels),
+            (Values::Rounded(happy), feels),
+            (Values::Rounded(angry), feels),
+            (Values::Rounded(sad), feels),
+            (Values::Rounded(neutral), feels),
         ];
         for (chunk, (values, has_value)) in self.chunks.iter_mut().zip(columns) {
             chunk.page(&values, has_value)?;
@@ -166,10 +180,10 @@ impl Rows {
     fn clear(&mut self) {
         self.frame.clear();
         self.id.clear();
-        for column in [&mut self.x, &mut self.y, &mut self.heading] {
-            column.clear();
-        }
-        self.velocity.iter_mut().chain(&mut self.emotion).for_each(Vec::clear);
+        self.x.clear();
+        self.y.clear();
+        let rounded = [&mut self.heading].into_iter().chain(&mut self.velocity).chain(&mut self.emotion);
+        rounded.for_each(Rounded::clear);
         self.has_velocity.clear();
         self.has_emotion.clear();
         self.is_person.clear();
@@ -255,6 +269,16 @@ impl<'a> Block<'a> {
         self.agents.len() * self.frames.len()
     }
 
+    /// The rows of agents that are there.
+    fn there(&self) -> Mask {
+        let is_whole =
+            |frame: &Copied| frame.present == frame.positions.len() && frame.present >= self.agents.end;
+        match self.frames.iter().all(is_whole) {
+            true => Mask::All(self.rows()),
+            false => self.mask(|frame| &frame.positions, |_, place| !is_absent(place.to_array())),
+        }
+    }
+
     /// The rows that are in the frames' lists and pass a test, which is given the number in the block.
     fn mask<S: 'a>(&self, list: impl Fn(&'a Copied) -> &'a [S], test: impl Fn(usize, &S) -> bool) -> Mask {
         let lists = || self.frames.iter().map(|frame| self.of(list(frame)));
@@ -276,34 +300,109 @@ impl<'a> Block<'a> {
         Mask::new(rows)
     }
 
-    /// Appends the rows of a mask to a column; `set` sets those of an agent, by its number in the block.
-    fn put<T: Copy + Default>(&self, column: &mut Vec<T>, mask: &Mask, set: impl Fn(usize, &mut [T])) {
+    /// Appends the rows of a mask to a column: a value for each frame.
+    fn by_frame<T: Copy + Default>(&self, column: &mut Vec<T>, mask: &Mask, values: &[T]) {
         let Some(start) = grow(column, mask) else { return };
-        for (agent, rows) in column[start..].chunks_exact_mut(self.frames.len()).enumerate() {
-            set(agent, rows);
+        let rows = &mut column[start..];
+        let mut known = values.len().min(rows.len());
+        rows[..known].copy_from_slice(&values[..known]);
+        while known < rows.len() {
+            let more = known.min(rows.len() - known);
+            rows.copy_within(..more, known);
+            known += more;
         }
         mask.keep(column, start);
     }
 
-    /// Appends a number of each row of a mask, read from a list of its frame. `finish` changes them, all in one.
-    fn each<S: 'a>(
-        &self,
-        column: &mut Vec<f32>,
-        mask: &Mask,
-        list: impl Fn(&'a Copied) -> &'a [S],
-        number_of: impl Fn(&S) -> f32,
-        finish: impl Fn(&mut [f32]),
-    ) {
+    /// Appends the rows of a mask to a column: a value for each agent, by its number in the block.
+    fn by_agent<T: Copy + Default>(&self, column: &mut Vec<T>, mask: &Mask, of: impl Fn(usize) -> T) {
         let Some(start) = grow(column, mask) else { return };
-        for (number, frame) in self.frames.iter().enumerate() {
-            let own = self.of(list(frame));
-            for (row, one) in column[start + number..].iter_mut().step_by(self.frames.len()).zip(own) {
-                *row = number_of(one);
+        match self.frames.len() {
+            4 => spread::<4, T>(&mut column[start..], of),
+            8 => spread::<8, T>(&mut column[start..], of),
+            frames => {
+                let agents = column[start..].chunks_exact_mut(frames).enumerate();
+                agents.for_each(|(agent, rows)| rows.fill(of(agent)));
             }
         }
-        finish(&mut column[start..]);
         mask.keep(column, start);
     }
+
+    /// Appends a value of each row of a mask, read from a list of its frame.
+    fn each<S: 'a, T: Copy + Default>(
+        &self,
+        column: &mut Vec<T>,
+        mask: &Mask,
+        list: impl Fn(&'a Copied) -> &'a [S],
+        of: impl Fn(&S) -> T,
+    ) {
+        let Some(start) = grow(column, mask) else { return };
+        let lists: Vec<&[S]> = self.frames.iter().map(|frame| self.of(list(frame))).collect();
+        interleave(&mut column[start..], &lists, of);
+        mask.keep(column, start);
+    }
+
+    /// The same of rounded numbers, of which a list has `WIDTH` for an agent: one of these, or its opposite.
+    fn rounded<const WIDTH: usize>(
+        &self,
+        column: &mut Rounded,
+        mask: &Mask,
+        list: impl Fn(&'a Copied) -> &'a Rounded,
+        number: usize,
+        is_opposite: bool,
+    ) {
+        let sign = if is_opposite { -1 } else { 1 };
+        match column {
+            Rounded::Near(steps) => {
+                self.each(steps, mask, |frame| list(frame).near::<WIDTH>(), |own| sign * own[number]);
+            }
+            Rounded::Far(values) => {
+                let sign = f32::from(sign);
+                self.each(values, mask, |frame| list(frame).far::<WIDTH>(), |own| sign * own[number] + 0.0);
+            }
+        }
+    }
+}
+
+/// Whether some numbers are near zero in all frames; where not, they are kept as such in all.
+fn alike(frames: &mut [Copied], of: impl Fn(&mut Copied) -> &mut Rounded) -> bool {
+    let is_near = frames.iter_mut().all(|frame| of(frame).is_near());
+    if !is_near {
+        frames.iter_mut().for_each(|frame| of(frame).make_far());
+    }
+    is_near
+}
+
+/// Sets rows of a known number of frames: a value for each agent.
+fn spread<const FRAMES: usize, T: Copy>(rows: &mut [T], of: impl Fn(usize) -> T) {
+    let agents = rows.as_chunks_mut::<FRAMES>().0.iter_mut().enumerate();
+    agents.for_each(|(agent, rows)| *rows = [of(agent); FRAMES]);
+}
+
+/// Sets rows from lists of as many entries: those of an agent side by side.
+fn interleave<S, T>(rows: &mut [T], lists: &[&[S]], of: impl Fn(&S) -> T) {
+    // where the number is known, the compiler makes vectors of it
+    if interleave_of::<4, S, T>(rows, lists, &of) || interleave_of::<8, S, T>(rows, lists, &of) {
+        return;
+    }
+    for (number, own) in lists.iter().enumerate() {
+        for (row, one) in rows[number..].iter_mut().step_by(lists.len()).zip(*own) {
+            *row = of(one);
+        }
+    }
+}
+
+/// The same of a known number of lists of equal length. Whether there are such.
+fn interleave_of<const LISTS: usize, S, T>(rows: &mut [T], lists: &[&[S]], of: impl Fn(&S) -> T) -> bool {
+    let (rows, _) = rows.as_chunks_mut::<LISTS>();
+    let Ok(lists) = <[&[S]; LISTS]>::try_from(lists) else { return false };
+    if lists.iter().any(|list| list.len() != rows.len()) {
+        return false;
+    }
+    for (agent, row) in rows.iter_mut().enumerate() {
+        *row = std::array::from_fn(|frame| of(&lists[frame][agent]));
+    }
+    true
 }
 
 /// Makes room for the rows of a block, if any has a value, and tells where they begin.
@@ -313,45 +412,56 @@ fn grow<T: Copy + Default>(column: &mut Vec<T>, mask: &Mask) -> Option<usize> {
     (!matches!(mask, Mask::None(_))).then_some(start)
 }
 
-/// The opposite, without negative zeros.
-fn negate(values: &mut [f32]) {
-    values.iter_mut().for_each(|value| *value = 0.0 - *value);
-}
-
-/// The nearest multiples of 1 / [`STEPS`]; halves go to the even one.
-fn round(values: &mut [f32]) {
-    let is_small = |value: &f32| (value * STEPS).abs() < 0.25 * WHOLE;
-    // without an early end, so that the compiler makes vectors of it
-    if values.iter().fold(true, |all, value| all & is_small(value)) {
-        // A sum of this size has no fraction, so adding rounds, in an instruction. The function of the library is a call.
-        values.iter_mut().for_each(|value| *value = (*value * STEPS + WHOLE - WHOLE) / STEPS);
-    } else {
-        values.iter_mut().for_each(|value| *value = (*value * STEPS).round_ties_even() / STEPS + 0.0); // +0, as above
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::parquet_table::refused;
+    use super::super::rounded::STEPS;
     use super::*;
     use crate::ground::ABSENT;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
     use std::path::Path;
 
-    fn rounded(mut value: f32) -> f32 {
-        round(std::slice::from_mut(&mut value));
-        value
+    fn rounded(value: f32) -> f32 {
+        (value * STEPS).round_ties_even() / STEPS + 0.0
     }
 
-    /// Frames of agents that come and go, stand, walk, or fly, with and without velocities and feelings.
-    fn frames(agents: u16, count: u32, apart: u32) -> Vec<Copied> {
+    /// A frame before it is copied.
+    struct Given {
+        number: u32,
+        positions: Vec<Vec2>,
+        headings: Vec<f32>,
+        velocities: Vec<Vec2>,
+        emotions: Vec<[f32; 4]>,
+    }
+
+    impl Given {
+        fn copied(&self) -> Copied {
+            let of = |values: &[f32]| {
+                let mut rounded = Rounded::default();
+                rounded.take(values);
+                rounded
+            };
+            Copied {
+                number: self.number,
+                positions: self.positions.clone(),
+                present: self.positions.iter().filter(|place| !is_absent(place.to_array())).count(),
+                headings: of(&self.headings),
+                velocities: of(bytemuck::cast_slice(&self.velocities)),
+                emotions: of(self.emotions.as_flattened()),
+            }
+        }
+    }
+
+    /// Frames of agents that come and go, if they may, stand, walk, or fly, with and without velocities and feelings.
+    fn frames(agents: u16, count: u32, apart: u32, may_go: bool) -> Vec<Given> {
         let frame = |number: u32| {
             let time = number as f32 * 0.1;
-            let is_there = |agent: u16| agent % 7 != 3 || (u32::from(agent) % 50..60).contains(&number);
+            let is_there =
+                |agent: u16| !may_go || agent % 7 != 3 || (u32::from(agent) % 50..60).contains(&number);
             let speed = |agent: u16| match agent % 5 {
                 0 => 0.0,
-                1 if agent % 11 == 1 => 31.9 + f32::from(agent % 9), // beyond the words of the dictionary
+                1 if may_go && agent % 11 == 1 => 31.9 + f32::from(agent % 9), // beyond the words of the dictionary
                 own => 0.3 * f32::from(own) + 0.01 * (time * f32::from(agent)).sin(),
             };
             let place = |agent: u16| match is_there(agent) {
@@ -360,7 +470,7 @@ mod tests {
             };
             let all = || 0..agents;
             let (moves, feels) = (number % 40 != 17, number >= count / 3);
-            Copied {
+            Given {
                 number: number * apart,
                 positions: all().map(place).collect(),
                 headings: all().map(|agent| f32::from(agent).sin() * 3.1).collect(),
@@ -401,16 +511,21 @@ mod tests {
         let is_person = |agent: usize| !agent.is_multiple_of(13);
         // numbers of frames whose differences take few bits, 16, and more
         let groups = [
-            (frames(1500, 100, 1), FAST),
-            (frames(40, 90, 1), 0),
-            (frames(700, 9, 20_000), FAST),
-            (frames(50, 9, 7_000), 0),
+            (frames(1500, 100, 1, true), FAST),
+            (frames(40, 90, 1, true), 0),
+            (frames(700, 9, 20_000, true), FAST),
+            (frames(50, 9, 7_000, true), 0),
+            // as many frames as a large crowd's groups have
+            (frames(3000, 8, 1, true), FAST),
+            (frames(9000, 4, 3, false), FAST),
+            (frames(2000, 1, 1, false), FAST),
         ];
         let mut table = Table::create(&path, &COLUMNS).unwrap();
         let mut rows = Rows::new().unwrap();
         let mut expected: Vec<Cells> = Vec::new();
         for (group, count) in &groups {
-            rows.write(&mut table, group, *count, is_person).unwrap();
+            let mut copied: Vec<Copied> = group.iter().map(Given::copied).collect();
+            rows.write(&mut table, &mut copied, *count, is_person).unwrap();
             for agent in 0..group[0].positions.len() {
                 for frame in group.iter().filter(|frame| !is_absent(frame.positions[agent].to_array())) {
                     let bits = |value: f32| Some(value.to_bits());
@@ -438,19 +553,5 @@ mod tests {
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found, expected);
         }
-    }
-
-    #[test]
-    fn numbers_are_rounded_to_the_nearest_of_a_thousand_and_twenty_four_parts() {
-        for part in 0..40_000 {
-            let value = (part as f32 - 20_000.0) * 0.000_123_4 * (1.0 + part as f32);
-            assert_eq!(
-                rounded(value).to_bits(),
-                ((value * STEPS).round_ties_even() / STEPS).to_bits(),
-                "{value}"
-            );
-        }
-        let halves = [0.5_f32, 1.5, -0.5, 2.5].map(|half| rounded(half / STEPS) * STEPS);
-        assert_eq!(halves.map(f32::abs).map(f32::to_bits), [0.0_f32, 2.0, 0.0, 2.0].map(f32::to_bits));
     }
 }

@@ -1,7 +1,7 @@
 //! A build without the feature `parquet` writes no Parquet files.
 
 use super::Error;
-use super::agents::{AgentInfo, Presence};
+use super::agents::{AgentInfo, Attendance, Presence};
 use super::area::{Area, Ground};
 use super::trajectory::Frame;
 use std::convert::Infallible;
@@ -31,7 +31,7 @@ impl Parquet {
         Err(missing(path))
     }
 
-    pub(super) fn frame(&mut self, _: u32, _: &Frame<'_>) -> Result<(), Error> {
+    pub(super) fn frame(&mut self, _: u32, _: &Frame<'_>, _: &mut Attendance) -> Result<(), Error> {
         match self.0 {}
     }
 
