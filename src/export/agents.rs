@@ -233,16 +233,12 @@ mod tests {
         }
         let (whole, parts) = (whole.finish(5), parts.finish(5));
         assert_eq!(whole, parts);
-        // who is there in frames 1, 2 and 4 of these; 45 is not in the short one
-        let there = |agent: u32| {
-            (0..5).filter(|number| {
-                frames[*number as usize].get(agent as usize).is_some_and(|place| place.x < 2.0)
-            })
-        };
         for agent in [3, 45, 55] {
-            let presence = whole[agent as usize].unwrap();
-            assert_eq!(Some(presence.first), there(agent).next());
-            assert_eq!(Some(presence.last), there(agent).last());
+            let is_there = |frame: &Vec<Vec2>| frame.get(agent).is_some_and(|place| place.x < 2.0);
+            let there: Vec<u32> =
+                (0..).zip(&frames).filter(|(_, frame)| is_there(frame)).map(|(number, _)| number).collect();
+            let presence = whole[agent].unwrap();
+            assert_eq!((presence.first, presence.last), (there[0], there[there.len() - 1]));
         }
     }
 }
