@@ -153,7 +153,8 @@ mod tests {
             assert!(!rounded.is_near());
             let far = rounded.far::<1>();
             assert_eq!(far.len(), values.len());
-            assert!(far[2 * TOGETHER][0].to_bits() == odd.to_bits() && far[0] == [0.25]);
+            assert_eq!(far[2 * TOGETHER][0].to_bits(), odd.to_bits());
+            assert_eq!(far[0][0].to_bits(), 0.25_f32.to_bits());
             rounded.take(&values[..TOGETHER]);
             assert_eq!(rounded, Rounded::Near(vec![256; TOGETHER]));
         }
