@@ -260,7 +260,10 @@ impl Writer {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{TrajectoryFormat, TrajectoryWriter, Walkable};
     use super::*;
+    use crate::ground::ABSENT;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
 
     #[test]
     fn row_groups_have_a_power_of_two_of_frames_or_very_many_rows() {
@@ -271,5 +274,40 @@ mod tests {
         }
         assert_eq!(ends(5_000_000), Some(1));
         assert!(is_group(1001, 5_000_000), "a crowd that comes after a thousand empty frames");
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused_of_who_is_there_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.parquet");
+        let format = TrajectoryFormat::Parquet;
+        let mut writer =
+            TrajectoryWriter::create(&path, format, 10.0, &Walkable::default(), Vec::new()).unwrap();
+        let fine = Frame {
+            positions: &[Vec2::ONE, Vec2::ONE],
+            headings: &[0.5, 0.5],
+            velocities: &[Vec2::ONE, Vec2::ONE],
+            emotions: &[],
+        };
+        for odd in [
+            Frame { positions: &[Vec2::ONE, Vec2::NAN], ..fine },
+            Frame { headings: &[0.5, f32::INFINITY], ..fine },
+            Frame { velocities: &[Vec2::ONE, Vec2::NEG_INFINITY], ..fine },
+        ] {
+            let error = writer.frame(&odd).unwrap_err().to_string();
+            assert!(error.contains("agent 1"), "{error}");
+        }
+        assert_eq!(writer.frames(), 0);
+        let gone = Frame {
+            positions: &[Vec2::ONE, Vec2::splat(ABSENT)],
+            headings: &[0.5, f32::NAN],
+            velocities: &[Vec2::ONE, Vec2::NAN],
+            emotions: &[],
+        };
+        writer.frame(&gone).unwrap();
+        writer.frame(&fine).unwrap();
+        writer.finish().unwrap();
+        let file = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+        assert_eq!(file.metadata().file_metadata().num_rows(), 3);
     }
 }
