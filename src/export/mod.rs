@@ -48,6 +48,8 @@ mod raster;
 mod rounded;
 mod svg;
 pub mod trajectory;
+#[cfg(feature = "parquet")]
+mod trajectory_block;
 #[cfg_attr(not(feature = "parquet"), path = "without_parquet.rs")]
 mod trajectory_parquet;
 #[cfg(feature = "parquet")]
