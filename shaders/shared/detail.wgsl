@@ -20,6 +20,7 @@ const WOOD: u32 = 13u;
 const WATER: u32 = 14u;
 const LACQUER: u32 = 15u;
 const PANE: u32 = 16u;
+const LIT_PANE: u32 = 17u;
 
 const NO_JOINTS: f32 = 0.0;
 
@@ -78,7 +79,7 @@ fn pattern_of(material: u32) -> Pattern {
         case LACQUER: {
             return Pattern(vec4<f32>(1.0, 1.0, 0.0, 0.0), none, vec4<f32>(0.0, 0.0, 0.06, 0.0));
         }
-        case PANE: {
+        case PANE, LIT_PANE: {
             return Pattern(vec4<f32>(3.0, 0.5, 0.0, 0.0), none, vec4<f32>(0.0, 0.0, 0.1, 0.0));
         }
         default: {

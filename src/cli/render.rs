@@ -61,7 +61,7 @@ pub(super) struct Arguments {
     /// Light and surfaces: low (the fastest), medium or high
     #[arg(long, default_value = "low", value_name = "QUALITY")]
     quality: Quality,
-    /// Time of day, 6 to 18: where the sun stands and its colour; 12 is the light of the place itself
+    /// Time of day, 6 to 18: where the sun stands, its colour, and whether lamps are lit; 12 is the light of the place itself
     #[arg(long, default_value_t = 12.0, value_name = "HOUR", value_parser = hour)]
     hour: f32,
     /// Print one JSON object

@@ -150,7 +150,7 @@ struct PictureArguments {
     /// Light and surfaces: low (the fastest), medium or high
     #[arg(long, default_value = "low", value_name = "QUALITY", help_heading = "Pictures")]
     quality: Quality,
-    /// Time of day, 6 to 18: where the sun stands and its colour; 12 is the light of the place itself
+    /// Time of day, 6 to 18: where the sun stands, its colour, and whether lamps are lit; 12 is the light of the place itself
     #[arg(long, default_value_t = 12.0, value_name = "HOUR", value_parser = hour, help_heading = "Pictures")]
     hour: f32,
 }

@@ -14,6 +14,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnDescPtr, ColumnPath, SchemaDescriptor, Type};
+use std::io::{BufWriter, IntoInnerError};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -81,9 +82,13 @@ impl Values<'_> {
     }
 }
 
+/// Bytes that are written to the file at once: the library hands over 8 KiB, and a system spends most of such a write on
+/// its pages.
+const BUFFER: usize = 1 << 18;
+
 /// A file of a table being written in a temporary neighbour of its place.
 pub(super) struct Table {
-    writer: SerializedFileWriter<Partial>,
+    writer: SerializedFileWriter<BufWriter<Partial>>,
     columns: Vec<ColumnDescPtr>,
 }
 
@@ -105,7 +110,8 @@ impl Table {
         let make = || -> Result<_, ParquetError> {
             let schema = Arc::new(schema(columns)?);
             let columns_of_it = SchemaDescriptor::new(schema.clone()).columns().to_vec();
-            let writer = SerializedFileWriter::new(partial, schema, Arc::new(properties(columns)?))?;
+            let file = BufWriter::with_capacity(BUFFER, partial);
+            let writer = SerializedFileWriter::new(file, schema, Arc::new(properties(columns)?))?;
             Ok(Self { writer, columns: columns_of_it })
         };
         make().map_err(refused(path))
@@ -147,7 +153,7 @@ impl Table {
 
     /// Completes the bytes; the file has no name yet.
     pub(super) fn complete(self) -> Result<Partial, ParquetError> {
-        self.writer.into_inner()
+        Ok(self.writer.into_inner()?.into_inner().map_err(IntoInnerError::into_error)?)
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Atmosphere {
     pub haze: f32,
     /// Brightness of the image, 1 as is.
     pub exposure: f32,
+    /// Share of their light with which lamps burn behind windows, 0 to 1.
+    pub lamps: f32,
 }
 
 impl Atmosphere {
@@ -34,6 +36,7 @@ impl Atmosphere {
         sky_light: Vec3::new(0.23, 0.28, 0.35),
         haze: 0.002,
         exposure: 0.95,
+        lamps: 0.0,
     };
 
     /// Under clouds: soft, hardly a shadow.
@@ -46,6 +49,7 @@ impl Atmosphere {
         sky_light: Vec3::new(0.52, 0.54, 0.57),
         haze: 0.006,
         exposure: 0.95,
+        lamps: 0.0,
     };
 
     /// A low, warm sun.
@@ -58,6 +62,7 @@ impl Atmosphere {
         sky_light: Vec3::new(0.24, 0.22, 0.3),
         haze: 0.005,
         exposure: 1.0,
+        lamps: 0.0,
     };
 }
 
@@ -69,10 +74,12 @@ const HOUR_ANGLE: f32 = std::f32::consts::TAU / 24.0;
 const LOWEST: f32 = 0.05;
 /// Share of its height at noon from which on the sun is white.
 const WHITE: f32 = 0.6;
+/// Share of its height at noon from which on lamps are lit, and that below which all are.
+const DUSK: [f32; 2] = [0.3, 0.22];
 
 impl Atmosphere {
     /// This light, which is that of noon, at another hour from 6 to 18: the sun goes round and sinks, and what is near the horizon
-    /// turns red and dim. Hours beyond are those two.
+    /// turns red and dim; then lamps are lit. Hours beyond are those two.
     #[must_use]
     pub fn at_hour(self, hour: f32) -> Self {
         let angle = (hour.clamp(6.0, 18.0) - NOON) * HOUR_ANGLE;
@@ -85,6 +92,7 @@ impl Atmosphere {
         let aside = Quat::from_rotation_y(-angle) * flat * (1.0 - height * height).sqrt();
         let share = (angle.cos() / WHITE).clamp(0.0, 1.0);
         let white = share * share * (3.0 - 2.0 * share);
+        let [begins, all_burn] = DUSK;
         let toward = |color: Vec3, red: f32, green: f32, blue: f32| {
             color * Vec3::new(red, green, blue).lerp(Vec3::ONE, white)
         };
@@ -95,6 +103,7 @@ impl Atmosphere {
             horizon: toward(self.horizon, 1.2, 0.66, 0.42),
             ground_bounce: toward(self.ground_bounce, 0.7, 0.55, 0.5),
             sky_light: toward(self.sky_light, 0.9, 0.65, 0.65),
+            lamps: self.lamps.max(((begins - angle.cos()) / (begins - all_burn)).clamp(0.0, 1.0)),
             ..self
         }
     }
@@ -122,5 +131,8 @@ mod tests {
         let [morning, noon] = [6.0, 12.0].map(|hour| Atmosphere::DAY.at_hour(hour).sun_direction);
         assert!(morning.with_y(0.0).dot(noon.with_y(0.0)).abs() < 1e-2, "a quarter turn");
         assert_eq!(Atmosphere::DAY.at_hour(25.0), evening);
+        let lamps = |hour: f32| Atmosphere::DAY.at_hour(hour).lamps;
+        assert_eq!([lamps(12.0), lamps(16.5), lamps(17.5), lamps(18.0)], [0.0, 0.0, 1.0, 1.0]);
+        assert!(0.0 < lamps(17.0) && lamps(17.0) < 1.0 && (lamps(7.0) - lamps(17.0)).abs() < 1e-5);
     }
 }

@@ -205,7 +205,7 @@ impl Renderer {
     /// When a surface's lists do not fit together, it is larger than the device can bind, or memory is short.
     pub fn set_environment(&mut self, surfaces: &[Surface<'_>]) -> Result<(), Error> {
         self.flights.wait_all()?;
-        self.environment.set(&self.submitter, surfaces)
+        self.environment.set(&self.submitter, surfaces, self.settings.atmosphere.lamps)
     }
 
     /// Replaces the place that is drawn with the environment; none: there is none.

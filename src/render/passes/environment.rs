@@ -46,8 +46,9 @@ impl EnvironmentPass {
         &mut self,
         submitter: &Submitter,
         surfaces: &[Surface<'_>],
+        lamps: f32,
     ) -> Result<(), Error> {
-        let (vertices, indices) = surface::pack(surfaces)?;
+        let (vertices, indices) = surface::pack(surfaces, lamps)?;
         self.mesh = None;
         if indices.is_empty() {
             return Ok(());

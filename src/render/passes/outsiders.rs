@@ -48,7 +48,7 @@ impl Models {
                 indices: &mesh.indices,
             })
             .collect();
-        let (vertices, indices) = surface::pack(&surfaces)?;
+        let (vertices, indices) = surface::pack(&surfaces, 0.0)?;
         let mut draws = Vec::new();
         let mut first_index = 0;
         for OutsiderMesh { mesh, agents, .. } in meshes {

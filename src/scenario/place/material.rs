@@ -6,7 +6,7 @@ use crate::kernels::shared::detail;
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
-#[allow(clippy::cast_possible_truncation, reason = "seventeen materials")]
+#[allow(clippy::cast_possible_truncation, reason = "eighteen materials")]
 pub enum SurfaceMaterial {
     /// One colour, a little uneven.
     #[default]
@@ -43,4 +43,6 @@ pub enum SurfaceMaterial {
     Lacquer = detail::LACQUER as u8,
     /// A single pane, which mirrors the sky.
     Pane = detail::PANE as u8,
+    /// The same with a lamp behind it, which burns while the sun is low.
+    LitPane = detail::LIT_PANE as u8,
 }

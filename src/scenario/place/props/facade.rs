@@ -19,6 +19,8 @@ const WALLS_OF: [Material; 7] = [
 ];
 const GLASS: u32 = 0x0035_506b;
 /// Behind a window without light.
+/// Share of windows behind which a lamp burns in the evening.
+const LIT: f32 = 0.4;
 const PANES: [u32; 4] = [0x2c4458, 0x35506b, 0x3d5a70, 0x28394a];
 const BLINDS: [u32; 4] = [0xcfc8b8, 0xb8b4aa, 0xd8d4c8, 0xa7b0b4];
 const FRAMES: [u32; 3] = [0xe4e1d8, 0x3a3f45, 0x54463a];
@@ -240,7 +242,8 @@ fn glazing(b: &mut Builder<'_>, look: &Look, opening: Opening, z: f32) {
     let (pane, blind) = (look.pick(draw, &PANES), look.pick(draw + 1, &BLINDS));
     let drawn = (look.unit(draw + 2) * 1.9 - 1.0).max(0.0);
     let edge = y[1] - drawn * (y[1] - y[0]);
-    b.of(Material::Pane).rect_shaded(x, [y[0], edge], z, [pane, pane * if drawn > 0.0 { 0.95 } else { 0.7 }]);
+    let made = if look.unit(draw + 3) < LIT { Material::LitPane } else { Material::Pane };
+    b.of(made).rect_shaded(x, [y[0], edge], z, [pane, pane * if drawn > 0.0 { 0.95 } else { 0.7 }]);
     if drawn > 0.02 {
         b.of(Material::Plain).rect_shaded(x, [edge, y[1]], z, [blind * 0.6, blind * 0.42]);
     }

@@ -116,7 +116,7 @@ fn window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
     b.rect([x[0] + 0.12, x[1] - 0.12], [y[0] + 0.12, plinth - 0.1], z - 0.03, wood * 0.8);
     b.recess(x, [plinth, y[1]], [z - 0.04, inner], wood);
     let (dark, light) = (srgb(0x4c6674), srgb(0x7f9fae));
-    b.of(Material::Pane).rect_shaded(x, [plinth, transom], inner, [light, dark]);
+    b.of(Material::LitPane).rect_shaded(x, [plinth, transom], inner, [light, dark]);
     b.rect_shaded(x, [transom, y[1]], inner, [dark, dark * 0.5]);
     b.of(Material::Plain);
     let bars = count(x[1] - x[0], 1.7, 8);
@@ -136,7 +136,7 @@ fn entrance(b: &mut Builder<'_>, x: [f32; 2], top: f32, z: f32, wood: Vec3) {
     b.rect(x, [0.0, top], inner, wood * 0.7);
     b.cuboid(v(x0, 0.04, inner), v(x1, leaf, inner + 0.05), wood);
     let glass = [srgb(0x3a5260), srgb(0x2a3c48)];
-    b.of(Material::Pane).rect_shaded([x0 + 0.14, x1 - 0.14], [0.75, leaf - 0.14], inner + 0.055, glass);
+    b.of(Material::LitPane).rect_shaded([x0 + 0.14, x1 - 0.14], [0.75, leaf - 0.14], inner + 0.055, glass);
     b.rect_shaded([x0, x1], [leaf + 0.1, top - 0.1], inner + 0.02, [glass[1], glass[1] * 0.6]);
     b.of(Material::Plain);
     b.cuboid(v(x1 - 0.11, 0.95, inner + 0.05), v(x1 - 0.07, 1.35, inner + 0.11), srgb(0xc9b27a));
@@ -243,7 +243,7 @@ fn fine_store(b: &mut Builder<'_>, size: Vec3, look: &Look, sign: Vec3) {
         window(b, x, [0.0, head], inner + WINDOW_DEPTH, metal);
     }
     // two leaves that slide
-    b.of(Material::Pane).rect_shaded(
+    b.of(Material::LitPane).rect_shaded(
         [-door, door],
         [0.05, head - 0.5],
         inner + 0.02,

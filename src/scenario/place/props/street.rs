@@ -9,7 +9,7 @@ pub(super) fn lamp(b: &mut Builder<'_>, size: Vec3) {
     let (post, h) = (srgb(0x3c4248), size.y);
     b.turned(Vec3::ZERO, &[(0.14, 0.0), (0.12, 0.5), (0.06, 0.6), (0.05, h)], 8, post);
     b.block(v(0.0, h, 0.5), v(0.08, 0.08, 1.1), post);
-    b.block(v(0.0, h - 0.1, 0.95), v(0.28, 0.1, 0.6), v(1.8, 1.6, 1.1));
+    b.of(Material::LitPane).block(v(0.0, h - 0.1, 0.95), v(0.28, 0.1, 0.6), srgb(0xd6d0be));
 }
 
 pub(super) fn traffic_light(b: &mut Builder<'_>, size: Vec3, look: &Look) {
