@@ -13,7 +13,6 @@ use clap::Parser;
 use gaitway::export::{AgentInfo, Frame, TrajectoryFormat, TrajectoryWriter, Walkable};
 use gaitway::sim::{Backend, Simulation};
 use gaitway::verify::cases::crossing::crossing;
-use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -56,17 +55,16 @@ fn plain(simulation: &mut Simulation) -> Window {
     Window { step: since(begin) / f64::from(FRAMES * EVERY), handing: 0.0 }
 }
 
-fn recorded(simulation: &mut Simulation, writer: &mut TrajectoryWriter, headings: &mut Vec<f32>) -> Window {
+fn recorded(simulation: &mut Simulation, writer: &mut TrajectoryWriter) -> Window {
     let mut handing = 0.0;
     let begin = Instant::now();
     for _ in 0..FRAMES {
         let start = Instant::now();
         let store = simulation.state().unwrap();
         let agents = store.step.agent_count as usize;
-        store.stance[..agents].par_iter().map(|stance| stance.heading).collect_into_vec(headings);
         let frame = Frame {
             positions: bytemuck::cast_slice(&store.position[..agents]),
-            headings,
+            headings: &store.heading[..agents],
             velocities: bytemuck::cast_slice(&store.velocity[..agents]),
             emotions: &[],
         };
@@ -92,17 +90,16 @@ fn main() {
     let agents = vec![AgentInfo::default(); options.agents];
     let format = TrajectoryFormat::Parquet;
     let mut writer = TrajectoryWriter::create(&file, format, 10.0, &Walkable::default(), agents).unwrap();
-    let mut headings = Vec::new();
     // without counting: memory is new, and the threads have to find their places
     plain(&mut simulation);
-    recorded(&mut simulation, &mut writer, &mut headings);
+    recorded(&mut simulation, &mut writer);
     let mut ratios = Vec::new();
     for pair in 0..options.pairs {
         let (one, other) = if pair % 2 == 0 {
             let one = plain(&mut simulation);
-            (one, recorded(&mut simulation, &mut writer, &mut headings))
+            (one, recorded(&mut simulation, &mut writer))
         } else {
-            let other = recorded(&mut simulation, &mut writer, &mut headings);
+            let other = recorded(&mut simulation, &mut writer);
             (plain(&mut simulation), other)
         };
         println!(

@@ -19,6 +19,7 @@ const STRIDE_LIMIT: f32 = 10000.0; // m
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;             // [agent] m
 @group(0) @binding(7) var<storage, read_write> agent_bucket: array<u32>;    // [agent]
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
+@group(0) @binding(9) var<storage, read> heading: array<f32>;               // [agent] rad
 
 // Neither NaN (every comparison is false) nor out of range; an unweighted gait may be anything.
 fn gait_is_usable(clip: u32, weight: f32) -> bool {
@@ -30,7 +31,7 @@ fn is_usable(agent: u32, avatar: u32, scale: f32) -> bool {
     let clips = gaits[agent];
     let weights = gait_weights[agent];
     return is_finite2(position[agent]) && abs(elevation[agent]) < ELEVATION_LIMIT
-        && abs(own.heading) < HEADING_LIMIT && abs(own.walk_weight) < WEIGHT_LIMIT && abs(own.stride) < STRIDE_LIMIT
+        && abs(heading[agent]) < HEADING_LIMIT && abs(own.walk_weight) < WEIGHT_LIMIT && abs(own.stride) < STRIDE_LIMIT
         && is_finite2(own.left) && is_finite2(own.right) && is_finite2(own.turns) && is_finite2(own.lean)
         && is_finite2(own.heights) && is_finite2(own.slopes) && abs(own.foresight) < HEADING_LIMIT
         && scale > 0.0 && scale < SCALE_LIMIT

@@ -4,7 +4,7 @@
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;    // [agent] m
 @group(0) @binding(2) var<storage, read> floors: array<vec4<f32>>;      // [floor][9] see floors.wgsl
 @group(0) @binding(3) var<storage, read> body: array<Body>;             // [agent]
-@group(0) @binding(4) var<storage, read> phase: array<u32>;             // [agent] the whole range is one stride
+@group(0) @binding(4) var<storage, read> heading: array<f32>;           // [agent] rad
 @group(0) @binding(5) var<storage, read> velocity: array<vec2<f32>>;    // [agent] m/s
 @group(0) @binding(6) var<storage, read_write> elevation: array<f32>;   // [agent] m
 @group(0) @binding(7) var<storage, read_write> stance: array<Stance>;   // [agent]
@@ -48,18 +48,18 @@ fn elevate(@builtin(global_invocation_id) id: vec3<u32>) {
     elevation[agent] = under;
 
     let own = stance[agent];
-    let went = phase[agent];
-    let going = going_of(agent, own, went, body[agent]);
+    let faces = heading[agent];
+    let going = going_of(agent, own, faces, body[agent]);
     let v = velocity[agent];
     let strides = max(sqrt(dot2(v, v)) / max(own.stride, LEAST_STRIDE), STEP_RATE) * step.time_step;
     let sunk = under - before; // so much higher is the body now, and the feet are not
     let left = sole(
-        position[agent] + foothold(going, 1.0) + own.left, under, exact_sin_cos(own.heading + own.turns.x),
-        Sole(own.heights.x - sunk, own.slopes.x), way_left(went, strides),
+        position[agent] + foothold(going, 1.0) + own.left, under, exact_sin_cos(faces + own.turns.x),
+        Sole(own.heights.x - sunk, own.slopes.x), way_left(own.phase, strides),
     );
     let right = sole(
-        position[agent] + foothold(going, -1.0) + own.right, under, exact_sin_cos(own.heading + own.turns.y),
-        Sole(own.heights.y - sunk, own.slopes.y), way_left(went + HALF, strides),
+        position[agent] + foothold(going, -1.0) + own.right, under, exact_sin_cos(faces + own.turns.y),
+        Sole(own.heights.y - sunk, own.slopes.y), way_left(own.phase + HALF, strides),
     );
     stance[agent].heights = vec2<f32>(left.height, right.height);
     stance[agent].slopes = vec2<f32>(left.slope, right.slope);

@@ -65,7 +65,7 @@ const OWN_FACE: u32 = 0xface0000u;    // what it draws for
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;              // [visible] agents, then NONE
-@group(0) @binding(2) var<storage, read> stance: array<Stance>;            // [agent]
+@group(0) @binding(2) var<storage, read> heading: array<f32>;              // [agent] rad
 @group(0) @binding(3) var<storage, read> appearance: array<Appearance>;    // [agent]
 @group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;            // [avatar][100]
 @group(0) @binding(5) var<storage, read> gaze_frame: array<u32>;           // [agent]
@@ -126,7 +126,7 @@ fn ahead(agent: u32, drop: f32) -> vec3<f32> {
     let last = last_moment(hash_u32(agent ^ GLANCES), GLANCE_WINDOW, GLANCE_SPAN);
     let before = glance(last.before);
     let look = before + (glance(last.draw) - before) * limit(last.since / SACCADE, 0.0, 1.0);
-    let yaw = exact_sin_cos(stance[agent].heading + look.x);
+    let yaw = exact_sin_cos(heading[agent] + look.x);
     let pitch = exact_sin_cos(drop + look.y);
     return vec3<f32>(yaw.x * pitch.y, -pitch.x, yaw.y * pitch.y) * FAR;
 }

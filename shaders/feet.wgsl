@@ -14,6 +14,7 @@
 @group(0) @binding(4) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
 @group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
 @group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
+@group(0) @binding(7) var<storage, read> heading: array<f32>;                     // [agent] rad
 
 const LEAST_LIFT: f32 = 0.6;    // share of the lift of feet in a stride of no length
 const FLATTER: f32 = 1.6;       // slower people land flat sooner than they cease to push off, by this factor
@@ -248,16 +249,16 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let ahead = left_ahead(stance_of(agent)) * leg;
     let left_stands = vec2<f32>(middle.x + aside, middle.z + ahead);
     let right_stands = vec2<f32>(middle.x - aside, middle.z - ahead);
-    let heading = exact_sin_cos(own.heading);
+    let faces = exact_sin_cos(heading[agent]);
     let heights = own.heights / appearance[agent].scale;
-    let left_off = Off(to_body(own.left / appearance[agent].scale, heading), own.turns.x, heights.x, own.slopes.x);
-    let right_off = Off(to_body(own.right / appearance[agent].scale, heading), own.turns.y, heights.y, own.slopes.y);
+    let left_off = Off(to_body(own.left / appearance[agent].scale, faces), own.turns.x, heights.x, own.slopes.x);
+    let right_off = Off(to_body(own.right / appearance[agent].scale, faces), own.turns.y, heights.y, own.slopes.y);
     let left_foot = put(stepped(left, avatar, LEFT_LEG, left_stands, stride, own.turns.x), left_off);
     let right_foot = put(stepped(right, avatar, RIGHT_LEG, right_stands, stride, own.turns.y), right_off);
 
     let turn = PELVIS_STAYS * (0.5 * (own.turns.x + own.turns.y));
     let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, short)));
-    let lean = to_body(own.lean, heading);
+    let lean = to_body(own.lean, faces);
     let height = rig[rows].y * UPRIGHT;
     let swing = 1.0 - short;
     let left_arm = quat_rotate(turned, joint_translation(avatar, LEFT_LEG));

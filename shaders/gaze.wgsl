@@ -38,7 +38,7 @@ const FRAME_BITS: u32 = 0x1fffffffu;
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;              // [agent] m
-@group(0) @binding(3) var<storage, read> stance: array<Stance>;                   // [agent]
+@group(0) @binding(3) var<storage, read> heading: array<f32>;                     // [agent] rad
 @group(0) @binding(4) var<storage, read> appearance: array<Appearance>;           // [agent]
 @group(0) @binding(5) var<storage, read> physique: array<Physique>;               // [agent]
 @group(0) @binding(6) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][100]
@@ -48,7 +48,7 @@ const FRAME_BITS: u32 = 0x1fffffffu;
 
 // The user's eyes in the agent's model space.
 fn user_in_model(agent: u32, scale: f32) -> vec3<f32> {
-    let turn = exact_sin_cos(stance[agent].heading);
+    let turn = exact_sin_cos(heading[agent]);
     let x = frame.user_eyes.x - position[agent].x;
     let z = frame.user_eyes.z - position[agent].y;
     return vec3<f32>((turn.y * x - turn.x * z) / scale, frame.user_eyes.y / scale, (turn.x * x + turn.y * z) / scale);

@@ -35,7 +35,7 @@ const COUNTS: u32 = 1029u;          // elements of attention_counts
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                        // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
-@group(0) @binding(3) var<storage, read> stance: array<Stance>;                      // [agent]
+@group(0) @binding(3) var<storage, read> heading: array<f32>;                        // [agent] rad
 @group(0) @binding(4) var<storage, read> appearance: array<Appearance>;              // [agent]
 @group(0) @binding(5) var<storage, read_write> gaze_frame: array<u32>;               // [agent]
 @group(0) @binding(6) var<storage, read_write> attention: array<Attention>;          // [agent]
@@ -52,7 +52,7 @@ fn interest(agent: u32, looks: bool) -> f32 {
     if frame.gaze_mode != 0u {
         return distance;
     }
-    let turn = exact_sin_cos(stance[agent].heading);
+    let turn = exact_sin_cos(heading[agent]);
     let ahead = turn.x * to.x + turn.y * to.y;
     let range = RANGE + select(0.0, RANGE_HYSTERESIS, looks);
     let sees = distance < range && ahead >= select(FIELD_START, FIELD_END, looks) * distance;

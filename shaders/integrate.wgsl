@@ -12,7 +12,7 @@
 @group(0) @binding(4) var<storage, read_write> position: array<vec2<f32>>;  // [agent] m
 @group(0) @binding(5) var<storage, read_write> velocity: array<vec2<f32>>;  // [agent] m/s
 @group(0) @binding(6) var<storage, read_write> stance: array<StanceQuads>;  // [agent]
-@group(0) @binding(7) var<storage, read_write> phase: array<u32>;           // [agent] the whole range is one stride
+@group(0) @binding(7) var<storage, read_write> heading: array<f32>;         // [agent] about +y, rad; 0 faces +z
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] first agent that failed
 @group(0) @binding(9) var<storage, read_write> cells: array<u32>;           // [cell][2] see cells.wgsl
 @group(0) @binding(10) var<storage, read_write> step_count: array<u32>;     // [1] steps done
@@ -51,7 +51,7 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     let had = velocity[agent];
     let traits = body[agent];
     let was = stance_in(stance[agent]);
-    let before = phase[agent];
+    let faced = heading[agent];
     if slot == NOBODY {
         velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
@@ -74,16 +74,17 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     let stands = !(was.walk_weight > 0.0);
     let speed = sqrt(dot2(v, v));
     let walking = speed > step.walk_speed * traits.preferred_speed;
-    let steps = !walking && takes_a_step(was, before);
+    let steps = !walking && takes_a_step(was);
     var now = was;
 
     var turn = 0.0; // what is left to turn
     if speed > TURNING_SPEED {
-        turn = exact_wrap(exact_atan2(v.x, v.y) - was.heading);
+        turn = exact_wrap(exact_atan2(v.x, v.y) - faced);
     }
     let most = step.turn_rate * step.time_step;
     let turned = clamp(turn * min(FOLLOW * step.time_step, 1.0), -most, most);
-    now.heading = exact_wrap(was.heading + turned);
+    let faces = exact_wrap(faced + turned);
+    heading[agent] = faces;
     let foreseen = clamp(turn, -MOST_FORESIGHT, MOST_FORESIGHT);
     now.foresight = unless_faint(was.foresight + (foreseen - was.foresight) * min(HEADS_FOLLOW * step.time_step, 1.0));
     let leans = clamp(push, vec2<f32>(-MOST_PUSH), vec2<f32>(MOST_PUSH)) * (LEANS / GRAVITY);
@@ -98,14 +99,14 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     // 24 bits of a stride, shifted to the top of the word: wraps by itself
     let by_speed = min(speed * step.time_step / max(now.stride, LEAST_STRIDE), 0.5);
     let strides = select(select(0.0, STEP_RATE * step.time_step, steps), by_speed, walking);
-    let after = select(before + (u32(strides * 16777216.0) << 8u), ready_phase(agent, was), stands && !walking && !steps);
-    phase[agent] = after;
+    let gone = was.phase + (u32(strides * 16777216.0) << 8u);
+    now.phase = select(gone, ready_phase(agent, was), stands && !walking && !steps);
 
-    let here = going_of(agent, was, before, traits);
-    let there = going_of(agent, now, after, traits);
+    let here = going_of(agent, was, faced, traits);
+    let there = going_of(agent, now, faces, traits);
     let went = v * step.time_step;
-    let left = left_over(before, after);
-    let right = left_over(before + HALF, after + HALF);
+    let left = left_over(was.phase, now.phase);
+    let right = left_over(was.phase + HALF, now.phase + HALF);
     now.left = stays(was.left, went + foothold(there, 1.0) - foothold(here, 1.0), left);
     now.right = stays(was.right, went + foothold(there, -1.0) - foothold(here, -1.0), right);
     now.turns = vec2<f32>(stays_turned(was.turns.x, turned, left), stays_turned(was.turns.y, turned, right));

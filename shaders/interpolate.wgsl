@@ -7,7 +7,7 @@
 @group(0) @binding(1) var<storage, read> snapshots: array<Snapshot>;           // [2][agent]
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
 @group(0) @binding(3) var<storage, read_write> stance: array<Stance>;          // [agent]
-@group(0) @binding(4) var<storage, read_write> phase: array<u32>;              // [agent] the whole range is one stride
+@group(0) @binding(4) var<storage, read_write> heading: array<f32>;            // [agent] rad
 @group(0) @binding(5) var<storage, read_write> elevation: array<f32>;          // [agent] m
 @group(0) @binding(6) var<storage, read_write> gait_weights: array<vec4<f32>>; // [agent]
 
@@ -39,14 +39,14 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     let feet = on_the_way(vec4<f32>(was.left, was.right), vec4<f32>(now.left, now.right), share);
     let turns = on_the_way(vec4<f32>(was.turns, was.lean), vec4<f32>(now.turns, now.lean), share);
     let floors = on_the_way(vec4<f32>(was.heights, was.slopes), vec4<f32>(now.heights, now.slopes), share);
-    stance[agent] = Stance(
-        select(turned, now.heading, share >= 1.0), there.w, feet.xy, feet.zw, turns.xy, turns.zw, floors.xy, floors.zw,
-        lifted.y, lifted.z,
-    );
+    heading[agent] = select(turned, now.heading, share >= 1.0);
 
     // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
     let strides = u32(f32((now.phase - was.phase) >> 8u) * min(share, 0.99999994));
-    phase[agent] = select(was.phase + (strides << 8u), now.phase, share >= 1.0);
+    let phase = select(was.phase + (strides << 8u), now.phase, share >= 1.0);
+    stance[agent] = Stance(
+        phase, there.w, feet.xy, feet.zw, turns.xy, turns.zw, floors.xy, floors.zw, lifted.y, lifted.z,
+    );
     elevation[agent] = lifted.x;
     gait_weights[agent] = on_the_way(was.gait_weights, now.gait_weights, share);
 }

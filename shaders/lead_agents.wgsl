@@ -12,6 +12,7 @@
 @group(0) @binding(5) var<storage, read_write> stance: array<Stance>;                // [agent]
 @group(0) @binding(6) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(7) var<storage, read> body: array<Body>;                          // [agent]
+@group(0) @binding(8) var<storage, read_write> heading: array<f32>;                  // [agent] rad
 
 const WALKING_SPEED: f32 = 0.05; // m/s: an agent that appears faster than this appears in mid-stride
 
@@ -33,8 +34,10 @@ fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
         velocity[agent] = v;
         let speed = sqrt(dot2(v, v));
         if speed > WALKING_SPEED {
+            let phase = stance[agent].phase;
             stance[agent] = Stance();
-            stance[agent].heading = exact_atan2(v.x, v.y);
+            stance[agent].phase = phase;
+            heading[agent] = exact_atan2(v.x, v.y);
             stance[agent].walk_weight = 1.0;
             stance[agent].stride = stride_at(speed, body[agent].walk_ratio);
         } else {

@@ -6,12 +6,11 @@
 // planted feet do not slide.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
-@group(0) @binding(2) var<storage, read> phase: array<u32>;                       // [agent] the whole range is one stride
-@group(0) @binding(3) var<storage, read> stance: array<Stance>;                   // [agent]
-@group(0) @binding(4) var<storage, read> appearance: array<Appearance>;           // [agent]
-@group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
-@group(0) @binding(6) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
-@group(0) @binding(7) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
+@group(0) @binding(2) var<storage, read> stance: array<Stance>;                   // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<Appearance>;           // [agent]
+@group(0) @binding(4) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
+@group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
+@group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
 const CIRCLE: f32 = 6.2831853;  // rad of a stride
 const UNITS: f32 = 16777216.0;  // of a phase without its lowest eight bits
@@ -81,7 +80,7 @@ fn manner(@builtin(global_invocation_id) id: vec3<u32>) {
     let avatar = avatar_of(own);
     let base = slot * POSE_STRIDE;
     let swung = held * limit(local_rotations[base + JOINTS].w, 0.0, 1.0);
-    let beat = exact_sin_cos(f32(phase[agent] >> 8u) * (CIRCLE / UNITS));
+    let beat = exact_sin_cos(f32(stance[agent].phase >> 8u) * (CIRCLE / UNITS));
     let early = swung * beat.y; // largest at the left foot's strike
     let late = swung * beat.x;  // a quarter of a stride after it
 

@@ -6,7 +6,7 @@
 // is flatter. So they lie on it as long as the ball does, however high the heel is, and are not dragged when it has left.
 @group(0) @binding(0) var<storage, read> visible: array<u32>;               // [visible] agents, then NONE
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
-@group(0) @binding(2) var<storage, read> stance: array<Stance>;             // [agent]
+@group(0) @binding(2) var<storage, read> heading: array<f32>;               // [agent] rad
 @group(0) @binding(3) var<storage, read> appearance: array<Appearance>;     // [agent]
 @group(0) @binding(4) var<storage, read> physique: array<Physique>;         // [agent]
 @group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;             // [avatar][100]
@@ -34,7 +34,7 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
     let avatar = avatar_of(appearance[agent]);
     let scale = appearance[agent].scale;
     let at = position[agent];
-    let heading = stance[agent].heading;
+    let faces = heading[agent];
 
     let own = physique[agent];
     let lengths = ratios_in(own.trunk_and_arms);
@@ -67,8 +67,8 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
         let in_mesh = rig[avatar * RIG_STRIDE + RIG_PLACES + joint].xyz;
         if joint == ROOT {
             let root = local_rotations[slot * POSE_STRIDE + JOINTS].xyz;
-            rotations[0] = quat_before_yaw(heading, local);
-            let turned = turn_left(exact_sin_cos(heading), root) * scale;
+            rotations[0] = quat_before_yaw(faces, local);
+            let turned = turn_left(exact_sin_cos(faces), root) * scale;
             origins[0] = vec3<f32>(at.x + turned.x, turned.y, at.y + turned.z);
         } else {
             let parent = parents[joint];

@@ -10,13 +10,12 @@
 // end, and now and then shifts to the other one. It stands by a clip for each emotion that its gaits have.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
-@group(0) @binding(2) var<storage, read> phase: array<u32>;                       // [agent] the whole range is one stride
-@group(0) @binding(3) var<storage, read> stance: array<Stance>;                   // [agent]
-@group(0) @binding(4) var<storage, read> appearance: array<Appearance>;           // [agent]
-@group(0) @binding(5) var<storage, read> gaits: array<vec4<u32>>;                 // [agent] clip ids
-@group(0) @binding(6) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
-@group(0) @binding(7) var<storage, read> clip_frames: array<vec4<f32>>;           // [clip][64][17]
-@group(0) @binding(8) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
+@group(0) @binding(2) var<storage, read> stance: array<Stance>;                   // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<Appearance>;           // [agent]
+@group(0) @binding(4) var<storage, read> gaits: array<vec4<u32>>;                 // [agent] clip ids
+@group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
+@group(0) @binding(6) var<storage, read> clip_frames: array<vec4<f32>>;           // [clip][64][17]
+@group(0) @binding(7) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
 const SAMPLES: u32 = 8u; // four gaits, then the standing clips of four emotions
 const GAITS: u32 = 4u;
@@ -108,7 +107,7 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < GAITS; i++) {
         let share = weights[i] * unit;
         if share > 0.0 {
-            add_sample(&samples, clips[i], phase[agent], share);
+            add_sample(&samples, clips[i], stance[agent].phase, share);
             samples.travel += clip_frames[samples.before[samples.gaits] + JOINTS].w * share;
             samples.gaits += 1u;
         }

@@ -4,7 +4,7 @@
 // shader would read eleven buffers for it, more than some devices bind.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> agent_bucket: array<u32>;           // [agent]
-@group(0) @binding(2) var<storage, read> phase: array<u32>;                  // [agent] the whole range is one stride
+@group(0) @binding(2) var<storage, read> heading: array<f32>;                 // [agent] rad
 @group(0) @binding(3) var<storage, read> stance: array<Stance>;              // [agent]
 @group(0) @binding(4) var<storage, read> elevation: array<f32>;              // [agent] m
 @group(0) @binding(5) var<storage, read> gaits: array<vec4<u32>>;            // [agent] clip ids
@@ -43,12 +43,12 @@ fn pose_far(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let walk = limit(stance[agent].walk_weight, 0.0, 1.0);
-    let heading = exact_sin_cos(stance[agent].heading);
-    let stride = exact_sin_cos(f32(phase[agent] >> 8u) * (TURN / STEPS)).y;
+    let faces = exact_sin_cos(heading[agent]);
+    let stride = exact_sin_cos(f32(stance[agent].phase >> 8u) * (TURN / STEPS)).y;
     let held = posture(agent);
     far_poses[agent] = FarPose(
-        heading.x,
-        heading.y,
+        faces.x,
+        faces.y,
         stride * walk,
         elevation[agent],
         held.x * walk,

@@ -73,8 +73,8 @@ impl Recorder {
     ) -> Result<()> {
         let rows = &mut self.rows;
         let count = store.step.agent_count as usize;
-        let motion = store.position.iter().zip(&store.velocity).zip(&store.stance).take(count);
-        for ((id, ((place, velocity), stance)), at) in (0_u32..).zip(motion).zip(0_usize..) {
+        let motion = store.position.iter().zip(&store.velocity).zip(&store.heading).take(count);
+        for ((id, ((place, velocity), heading)), at) in (0_u32..).zip(motion).zip(0_usize..) {
             if is_absent(*place) {
                 continue;
             }
@@ -83,7 +83,7 @@ impl Recorder {
             rows.frame.push(self.frames);
             rows.time.push(time);
             rows.id.push(id);
-            let numbers = [place[0], place[1], stance.heading, velocity[0], velocity[1]];
+            let numbers = [place[0], place[1], *heading, velocity[0], velocity[1]];
             rows.numbers.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
             // a robot feels nothing, whatever the crowd does
             let felt = feelings.get(at).filter(|_| kind == AgentKind::Person);

@@ -44,7 +44,7 @@ impl Numbers {
 
     pub(crate) fn headings(crowd: &mut Crowd) -> Result<Self> {
         let (store, agents) = crowd.read()?;
-        Ok(Self::of(&store.stance, agents, |stance| &stance.heading))
+        Ok(Self::of(&store.heading, agents, |heading| heading))
     }
 
     pub(crate) fn elevations(crowd: &mut Crowd) -> Result<Self> {

@@ -3,7 +3,7 @@
 
 @group(0) @binding(3) var<storage, read> outsiders: array<array<vec4<f32>, 3>>; // position, normal, linear colour; model space
 @group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;            // [agent] ground, m
-@group(0) @binding(5) var<storage, read> stance: array<Stance>;                 // [agent]
+@group(0) @binding(5) var<storage, read> heading: array<f32>;                   // [agent] rad
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;                 // [agent] m
 
 // which agent is drawn
@@ -11,9 +11,9 @@ var<immediate> agent: u32;
 
 // About +y: a heading of 0 faces +z.
 fn turned(p: vec3<f32>) -> vec3<f32> {
-    let heading = stance[agent].heading;
-    let s = sin(heading);
-    let c = cos(heading);
+    let faces = heading[agent];
+    let s = sin(faces);
+    let c = cos(faces);
     return vec3<f32>(p.x * c + p.z * s, p.y, p.z * c - p.x * s);
 }
 

@@ -31,7 +31,7 @@ struct Avoidance {
 
 // Buffer `stance`.
 struct Stance {
-    heading: f32,       // about +y, rad; 0 faces +z
+    phase: u32,         // of its walk: the whole range is one stride
     walk_weight: f32,   // 0 stands, 1 walks
     left: vec2<f32>,    // m, world: from where the gait has the foot to where it is
     right: vec2<f32>,
@@ -45,7 +45,7 @@ struct Stance {
 
 // The same in vectors of four, each of which a GPU reads and writes at once.
 struct StanceQuads {
-    body_and_left: vec4<f32>,
+    walk_and_left: vec4<u32>, // bits: those of a phase may be no number
     right_and_turns: vec4<f32>,
     lean_and_heights: vec4<f32>,
     slopes_and_rest: vec4<f32>,
@@ -53,7 +53,7 @@ struct StanceQuads {
 
 fn stance_quads(own: Stance) -> StanceQuads {
     return StanceQuads(
-        vec4<f32>(own.heading, own.walk_weight, own.left),
+        vec4<u32>(own.phase, bitcast<u32>(own.walk_weight), bitcast<vec2<u32>>(own.left)),
         vec4<f32>(own.right, own.turns),
         vec4<f32>(own.lean, own.heights),
         vec4<f32>(own.slopes, own.stride, own.foresight),
@@ -61,11 +61,14 @@ fn stance_quads(own: Stance) -> StanceQuads {
 }
 
 fn stance_in(quads: StanceQuads) -> Stance {
-    let body = quads.body_and_left;
+    let walk = quads.walk_and_left;
+    let left = bitcast<vec2<f32>>(walk.zw);
     let right = quads.right_and_turns;
     let lean = quads.lean_and_heights;
     let rest = quads.slopes_and_rest;
-    return Stance(body.x, body.y, body.zw, right.xy, right.zw, lean.xy, lean.zw, rest.xy, rest.z, rest.w);
+    return Stance(
+        walk.x, bitcast<f32>(walk.y), left, right.xy, right.zw, lean.xy, lean.zw, rest.xy, rest.z, rest.w,
+    );
 }
 
 // Buffer `appearance`.

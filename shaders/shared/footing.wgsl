@@ -32,7 +32,7 @@ struct Going {
     heading: vec2<f32>, // (sine, cosine)
 }
 
-fn going_of(agent: u32, own: Stance, phase: u32, traits: Body) -> Going {
+fn going_of(agent: u32, own: Stance, heading: f32, traits: Body) -> Going {
     let stride = own.stride * own.walk_weight;
     // `feet` scales strides likewise
     let share = stride / max(stride_at(traits.preferred_speed, traits.walk_ratio), LEAST_STRIDE);
@@ -41,12 +41,12 @@ fn going_of(agent: u32, own: Stance, phase: u32, traits: Body) -> Going {
     let stands = foot_at(traits.foot_stands);
     let left = left_ahead(stance_of(agent)) * LEG;
     return Going(
-        phase,
+        own.phase,
         stride,
         down.x + (stands.x - down.x) * max(missing, 0.0),
         down.y * share + (stands.y + left) * missing,
         down.y * share + (stands.y - left) * missing,
-        exact_sin_cos(own.heading),
+        exact_sin_cos(heading),
     );
 }
 
@@ -69,13 +69,13 @@ fn foothold(going: Going, side: f32) -> vec2<f32> {
     return vec2<f32>(heading.y * aside + heading.x * along, heading.y * along - heading.x * aside);
 }
 
-fn takes_a_step(own: Stance, phase: u32) -> bool {
+fn takes_a_step(own: Stance) -> bool {
     let begins = !(own.walk_weight > 0.0);
     let far = select(SETTLED, STEP_AT, begins);
     let apart = max(dot2(own.left, own.left), dot2(own.right, own.right));
     let turned = max(abs(own.turns.x), abs(own.turns.y));
     return apart > far * far || turned > select(SETTLED_TURN, STEP_AT_TURN, begins)
-        || (!begins && (is_lifted(phase) || is_lifted(phase + HALF)));
+        || (!begins && (is_lifted(own.phase) || is_lifted(own.phase + HALF)));
 }
 
 // The phase from which an agent that stands sets off: the foot that is farther off goes first.

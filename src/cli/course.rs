@@ -11,7 +11,6 @@ use crate::sim::departures::{Departures, Evacuation};
 use crate::sim::measured::{Extremes, MEASURED};
 use crate::sim::{self, Simulation, measure};
 use crate::{Error, stop};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -103,7 +102,6 @@ pub(super) struct Recording {
     every: u32,
     writer: TrajectoryWriter,
     /// Memory of the last frame.
-    headings: Vec<f32>,
     /// From before the file exists: an interrupted recording ends where it is.
     _heed: stop::Heed,
 }
@@ -137,17 +135,16 @@ impl Recording {
     }
 
     fn new(path: &Path, every: u32, writer: TrajectoryWriter, heed: stop::Heed) -> Self {
-        Self { path: path.to_owned(), every, writer, headings: Vec::new(), _heed: heed }
+        Self { path: path.to_owned(), every, writer, _heed: heed }
     }
 
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let store = simulation.state()?;
         let agents = store.step.agent_count as usize;
-        store.stance[..agents].par_iter().map(|stance| stance.heading).collect_into_vec(&mut self.headings);
         let emotions = if store.step.feels == 0 { &[] } else { &store.feeling[..agents] };
         let frame = Frame {
             positions: bytemuck::cast_slice(&store.position[..agents]),
-            headings: &self.headings,
+            headings: &store.heading[..agents],
             velocities: bytemuck::cast_slice(&store.velocity[..agents]),
             emotions,
         };

@@ -74,7 +74,7 @@ pub fn record(
         let shown = FrameUniforms { frame_index: index + 1, frame_time: time_step, gaze_time, ..frame };
         simulation.animate(shown)?;
         if index >= settling {
-            let store = simulation.read(&[BufferId::Visible, BufferId::Palettes, BufferId::Phase])?;
+            let store = simulation.read(&[BufferId::Visible, BufferId::Palettes, BufferId::Stance])?;
             take(store, &rest, &mut tracks);
         }
         progress(f64::from(index + 1) / f64::from(frames));
@@ -153,7 +153,7 @@ fn take(store: &Store, rest: &[[Vec3; JOINT_COUNT]], tracks: &mut [Track]) {
         });
         debug_assert!(pose[Joint::Root as usize].is_finite(), "agent {agent} is nowhere");
         track.recording.poses.push(pose);
-        let phase = store.phase[agent];
+        let phase = store.stance[agent].phase;
         let unwrapped = match track.phase.last() {
             // the phase only ever advances
             Some(&before) => {

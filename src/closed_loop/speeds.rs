@@ -92,7 +92,7 @@ struct Seen {
 
 impl Seen {
     fn look(&mut self, store: &Store, agent: usize, cast: &AvatarSet) {
-        let phase = store.phase[agent];
+        let phase = store.stance[agent].phase;
         let at = match self.phases.last() {
             None => f64::from(phase) / CYCLE,
             Some(last) => last + f64::from(phase.wrapping_sub(self.before)) / CYCLE,

@@ -12,12 +12,12 @@ fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
 }
 
 fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {
-    let Stance { heading, walk_weight, left, right, turns, lean, heights, slopes, stride, foresight } =
+    let Stance { phase: _, walk_weight, left, right, turns, lean, heights, slopes, stride, foresight } =
         b.stance[agent];
     let (clips, weights) = (b.gaits[agent], b.gait_weights[agent]);
     is_finite2(b.position[agent])
         && b.elevation[agent].abs() < ELEVATION_LIMIT
-        && heading.abs() < HEADING_LIMIT
+        && b.heading[agent].abs() < HEADING_LIMIT
         && walk_weight.abs() < WEIGHT_LIMIT
         && stride.abs() < STRIDE_LIMIT
         && [left, right, turns, lean, heights, slopes].into_iter().all(is_finite2)

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 pub fn elevate(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
-    let (position, velocity, body, phase) = (b.position, b.velocity, b.body, b.phase);
+    let (position, velocity, body, heading) = (b.position, b.velocity, b.body, b.heading);
     let time_step = b.step.time_step;
     let state = b.elevation[..agents].par_iter_mut().zip(&mut b.stance[..agents]).enumerate();
     state.with_min_len(1024).for_each(|(agent, (elevation, stance))| {
@@ -26,8 +26,8 @@ pub fn elevate(b: Slices<'_>) {
         let under = standing(floors, place, before).height;
         *elevation = under;
 
-        let (own, went) = (*stance, phase[agent]);
-        let going = going_of(agent as u32, &own, went, &body[agent]);
+        let (own, faces) = (*stance, heading[agent]);
+        let going = going_of(agent as u32, &own, faces, &body[agent]);
         let v = velocity[agent];
         let by_speed = dot2(v, v).sqrt() / greater(own.stride, LEAST_STRIDE);
         let strides = greater(by_speed, STEP_RATE) * time_step;
@@ -36,8 +36,8 @@ pub fn elevate(b: Slices<'_>) {
             let there = foothold(&going, side);
             let at = [0, 1].map(|axis| place[axis] + there[axis] + off[axis]);
             let was = Sole { height: height - sunk, slope };
-            let left = way_left(since_strike(went, side), strides, time_step);
-            sole(floors, at, under, sin_cos(own.heading + turn), &was, left)
+            let left = way_left(since_strike(own.phase, side), strides, time_step);
+            sole(floors, at, under, sin_cos(faces + turn), &was, left)
         };
         let ([left_turn, right_turn], [left_height, right_height]) = (own.turns, own.heights);
         let [left_slope, right_slope] = own.slopes;

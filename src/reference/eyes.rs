@@ -202,5 +202,5 @@ fn aim(b: &Slices<'_>, agent: u32, head: [[f32; 4]; 3], left: [f32; 3], feels: b
     }
     let is_sad = feels && own.emotion() == SAD;
     let drop = if is_sad { atan2(left[1] * own.scale * own.stature(), GROUND_AHEAD) } else { DROP };
-    ahead(b.frame, agent, b.stance[agent as usize].heading, drop)
+    ahead(b.frame, agent, b.heading[agent as usize], drop)
 }

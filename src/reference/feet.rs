@@ -216,6 +216,8 @@ struct Person<'a> {
     rig: &'a [[f32; 4]],
     agent: u32,
     own: &'a Stance,
+    /// Heading, rad.
+    faces: f32,
     looks: &'a Appearance,
     /// How much it walks.
     walk: f32,
@@ -263,7 +265,7 @@ impl Person<'_> {
         let leg = length(sub3(left.knee, left.hip)) + length(sub3(left.ankle, left.knee));
         let longest = STRAIGHT * leg;
 
-        let heading = sin_cos(own.heading);
+        let heading = sin_cos(self.faces);
         let ([at_left, at_right], [left_off, right_off]) = (self.stands(upright, leg), self.offs(heading));
         let [left_turn, right_turn] = own.turns;
         let feet = [
@@ -309,7 +311,7 @@ impl Person<'_> {
 
 /// Twin of `shaders/feet.wgsl`.
 pub fn feet(b: Slices<'_>) {
-    let Slices { frame, visible, stance, appearance, gait_weights, rig, local_rotations } = b;
+    let Slices { frame, visible, stance, appearance, gait_weights, rig, local_rotations, heading } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
     visible_agents(visible).par_iter().zip(slots).for_each(|(number, pose)| {
         let agent = *number as usize;
@@ -318,7 +320,8 @@ pub fn feet(b: Slices<'_>) {
         let [.., stride] = pose[JOINTS];
         if (walk > 0.0 && stride != 1.0) || is_off(own) {
             let is_paper = frame.gaze_mode != 0;
-            Person { rig, agent: *number, own, looks: &appearance[agent], walk, is_paper }.place(pose);
+            let (faces, looks) = (heading[agent], &appearance[agent]);
+            Person { rig, agent: *number, own, faces, looks, walk, is_paper }.place(pose);
         }
     });
 }

@@ -24,8 +24,8 @@ pub struct Going {
     heading: [f32; 2],
 }
 
-/// What an agent's stance and phase say.
-pub fn going_of(agent: u32, own: &Stance, phase: u32, body: &Body) -> Going {
+/// What an agent's stance and heading, rad, say.
+pub fn going_of(agent: u32, own: &Stance, heading: f32, body: &Body) -> Going {
     let stride = own.stride * own.walk_weight;
     let share = stride / greater(body.stride_at(body.preferred_speed), LEAST_STRIDE);
     let missing = 1.0 - share;
@@ -33,12 +33,12 @@ pub fn going_of(agent: u32, own: &Stance, phase: u32, body: &Body) -> Going {
         (Body::foot_at(body.foot_down), Body::foot_at(body.foot_stands));
     let left = left_ahead(stance_of(agent)) * LEG;
     Going {
-        phase,
+        phase: own.phase,
         stride,
         aside: down_aside + (stands_aside - down_aside) * greater(missing, 0.0),
         left: down_ahead * share + (stands_ahead + left) * missing,
         right: down_ahead * share + (stands_ahead - left) * missing,
-        heading: sin_cos(own.heading),
+        heading: sin_cos(heading),
     }
 }
 
@@ -63,7 +63,7 @@ pub fn foothold(going: &Going, side: f32) -> [f32; 2] {
 }
 
 /// Whether an agent that does not walk takes a step to have its feet under it.
-pub fn takes_a_step(own: &Stance, phase: u32) -> bool {
+pub fn takes_a_step(own: &Stance) -> bool {
     let begins = !(own.walk_weight > 0.0);
     let far = if begins { STEP_AT } else { SETTLED };
     let far_turned = if begins { STEP_AT_TURN } else { SETTLED_TURN };
@@ -71,7 +71,7 @@ pub fn takes_a_step(own: &Stance, phase: u32) -> bool {
     let [left, right] = own.turns;
     apart > far * far
         || greater(left.abs(), right.abs()) > far_turned
-        || (!begins && (is_lifted(phase) || is_lifted(phase.wrapping_add(HALF))))
+        || (!begins && (is_lifted(own.phase) || is_lifted(own.phase.wrapping_add(HALF))))
 }
 
 /// The phase from which an agent that stands sets off: the foot that is farther off goes first.

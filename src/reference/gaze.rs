@@ -121,7 +121,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let forward = quat_rotate(spine, joint_forward(b.rig, avatar, SPINE));
     let torso = atan2(forward[0], forward[2]);
     let eyes = std::array::from_fn(|axis| b.frame.user_eyes[axis]);
-    let user = user_in_model(eyes, b.position[agent], b.stance[agent].heading, scale);
+    let user = user_in_model(eyes, b.position[agent], b.heading[agent], scale);
     let to_user = sub3(user, neck_at);
     let ground = (to_user[0] * to_user[0] + to_user[2] * to_user[2]).sqrt();
     let yaw = wrap(atan2(to_user[0], to_user[2]) - torso);

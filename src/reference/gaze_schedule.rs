@@ -43,7 +43,7 @@ fn interest(b: &Slices<'_>, agent: usize, looks: bool) -> f32 {
     if b.frame.gaze_mode != 0 {
         return distance;
     }
-    let [sine, cosine] = sin_cos(b.stance[agent].heading);
+    let [sine, cosine] = sin_cos(b.heading[agent]);
     let ahead = sine * to[0] + cosine * to[1];
     let range = RANGE + if looks { RANGE_HYSTERESIS } else { 0.0 };
     let sees = distance < range && ahead >= if looks { FIELD_END } else { FIELD_START } * distance;

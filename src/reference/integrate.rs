@@ -22,9 +22,9 @@ pub fn integrate(b: Slices<'_>) {
     b.step_count[0] = b.step.step_index + 1;
     let (step, new_velocity, agent_slot, body) = (b.step, b.new_velocity, b.agent_slot, b.body);
     let state = b.position[..agents].par_iter_mut().zip(&mut b.velocity[..agents]);
-    let state = state.zip(&mut b.stance[..agents]).zip(&mut b.phase[..agents]).enumerate().with_min_len(1024);
+    let state = state.zip(&mut b.stance[..agents]).zip(&mut b.heading[..agents]).enumerate().with_min_len(1024);
     let failed = state
-        .filter_map(|(agent, (((position, velocity), stance), phase))| {
+        .filter_map(|(agent, (((position, velocity), stance), heading))| {
             if agent_slot[agent] == NOBODY {
                 *velocity = [0.0, 0.0];
                 return None;
@@ -34,7 +34,7 @@ pub fn integrate(b: Slices<'_>) {
                 *velocity = [0.0, 0.0];
                 return Some(agent as u32);
             }
-            let own = State { position, velocity, stance, phase };
+            let own = State { position, velocity, stance, heading };
             own.moved(step, agent as u32, v, body[agent]);
             None
         })
@@ -50,7 +50,7 @@ struct State<'a> {
     position: &'a mut [f32; 2],
     velocity: &'a mut [f32; 2],
     stance: &'a mut Stance,
-    phase: &'a mut u32,
+    heading: &'a mut f32,
 }
 
 impl State<'_> {
@@ -74,10 +74,11 @@ impl State<'_> {
         let stands = !(was.walk_weight > 0.0);
         let speed = dot2(v, v).sqrt();
         let walking = speed > step.walk_speed * body.preferred_speed;
-        let steps = !walking && takes_a_step(&was, *self.phase);
+        let steps = !walking && takes_a_step(&was);
 
         let [vx, vz] = v;
-        let turn = if speed > TURNING_SPEED { wrap(atan2(vx, vz) - was.heading) } else { 0.0 };
+        let faced = *self.heading;
+        let turn = if speed > TURNING_SPEED { wrap(atan2(vx, vz) - faced) } else { 0.0 };
         let most = step.turn_rate * step.time_step;
         let turned = (turn * lesser(FOLLOW * step.time_step, 1.0)).clamp(-most, most);
         let towards = |was: f32, aim: f32, rate: f32| {
@@ -87,7 +88,6 @@ impl State<'_> {
         let wanted = body.stride_at(speed);
         let longer = if walking { STRIDE_RATE } else { STOP_RATE } * step.time_step;
         let mut now = Stance {
-            heading: wrap(was.heading + turned),
             walk_weight: (was.walk_weight + blend).clamp(0.0, 1.0),
             lean: [0, 1].map(|axis| {
                 let leans = push[axis].clamp(-MOST_PUSH, MOST_PUSH) * (LEANS / GRAVITY);
@@ -101,17 +101,16 @@ impl State<'_> {
         let by_speed = lesser(speed * step.time_step / greater(now.stride, LEAST_STRIDE), 0.5);
         let on_the_spot = if steps { STEP_RATE * step.time_step } else { 0.0 };
         let strides = if walking { by_speed } else { on_the_spot };
-        let before = *self.phase;
-        let after = if stands && !walking && !steps {
+        now.phase = if stands && !walking && !steps {
             ready_phase(agent, &was)
         } else {
-            before.wrapping_add(((strides * 16_777_216.0) as u32) << 8)
+            was.phase.wrapping_add(((strides * 16_777_216.0) as u32) << 8)
         };
-        *self.phase = after;
+        *self.heading = wrap(faced + turned);
 
-        let (here, there) = (going_of(agent, &was, before, &body), going_of(agent, &now, after, &body));
+        let (here, there) = (going_of(agent, &was, faced, &body), going_of(agent, &now, *self.heading, &body));
         let left_behind = |off: [f32; 2], off_turned: f32, side: f32| {
-            let share = left_over(since_strike(before, side), since_strike(after, side));
+            let share = left_over(since_strike(was.phase, side), since_strike(now.phase, side));
             let (from, to) = (foothold(&here, side), foothold(&there, side));
             let way = [0, 1].map(|axis| v[axis] * step.time_step + to[axis] - from[axis]);
             (stays(off, way, share), stays_turned(off_turned, turned, share))

@@ -22,8 +22,10 @@ pub fn interpolate(b: Slices<'_>) {
         b.position[agent] = [0, 1].map(|axis| on_the_way(was.position[axis], now.position[axis], share));
         let both = |was: [f32; 2], now: [f32; 2]| [0, 1].map(|i| on_the_way(was[i], now[i], share));
         let turned = wrap(was.heading + wrap(now.heading - was.heading) * share);
+        b.heading[agent] = if share >= 1.0 { now.heading } else { turned };
+        let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * lesser(share, 0.999_999_94)) as u32;
         b.stance[agent] = Stance {
-            heading: if share >= 1.0 { now.heading } else { turned },
+            phase: if share >= 1.0 { now.phase } else { was.phase.wrapping_add(strides << 8) },
             walk_weight: on_the_way(was.walk_weight, now.walk_weight, share),
             left: both(was.left, now.left),
             right: both(was.right, now.right),
@@ -34,8 +36,6 @@ pub fn interpolate(b: Slices<'_>) {
             stride: on_the_way(was.stride, now.stride, share),
             foresight: on_the_way(was.foresight, now.foresight, share),
         };
-        let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * lesser(share, 0.999_999_94)) as u32;
-        b.phase[agent] = if share >= 1.0 { now.phase } else { was.phase.wrapping_add(strides << 8) };
         b.elevation[agent] = on_the_way(was.elevation, now.elevation, share);
         b.gait_weights[agent] =
             std::array::from_fn(|gait| on_the_way(was.gait_weights[gait], now.gait_weights[gait], share));

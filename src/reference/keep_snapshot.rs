@@ -7,14 +7,14 @@ use crate::kernels::layout::{Snapshot, Stance};
 /// Twin of `shaders/keep_snapshot.wgsl`.
 pub fn keep_snapshot(b: Slices<'_>) {
     for agent in 0..b.between.agent_count as usize {
-        let Stance { heading, walk_weight, left, right, turns, lean, heights, slopes, stride, foresight } =
+        let Stance { phase, walk_weight, left, right, turns, lean, heights, slopes, stride, foresight } =
             b.stance[agent];
         b.snapshots[index_of(b.between, b.place, agent)] = Snapshot {
             position: b.position[agent],
-            heading,
+            heading: b.heading[agent],
             walk_weight,
             gait_weights: b.gait_weights[agent],
-            phase: b.phase[agent],
+            phase,
             elevation: b.elevation[agent],
             stride,
             foresight,

@@ -22,8 +22,9 @@ pub fn lead_agents_appear(b: Slices<'_>) {
             let speed = dot2(velocity, velocity).sqrt();
             if speed > WALKING_SPEED {
                 let stride = b.body[agent].stride_at(speed);
-                b.stance[agent] =
-                    Stance { heading: atan2(vx, vz), walk_weight: 1.0, stride, ..Stance::default() };
+                let phase = b.stance[agent].phase;
+                b.stance[agent] = Stance { phase, walk_weight: 1.0, stride, ..Stance::default() };
+                b.heading[agent] = atan2(vx, vz);
             } else {
                 b.stance[agent].walk_weight = 0.0;
             }

@@ -96,7 +96,7 @@ impl Amount {
 
 /// Twin of `shaders/manner.wgsl`.
 pub fn manner(b: Slices<'_>) {
-    let Slices { frame, visible, phase, stance, appearance, gait_weights, rig, local_rotations } = b;
+    let Slices { frame, visible, stance, appearance, gait_weights, rig, local_rotations } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
     visible_agents(visible).par_iter().zip(slots).for_each(|(number, pose)| {
         let (number, agent) = (*number, *number as usize);
@@ -109,7 +109,7 @@ pub fn manner(b: Slices<'_>) {
         let avatar = own.avatar() as usize;
         let [.., stride] = pose[JOINTS];
         let swung = held * limit(stride, 0.0, 1.0);
-        let [sine, cosine] = sin_cos((phase[agent] >> 8) as f32 * (CIRCLE / UNITS));
+        let [sine, cosine] = sin_cos((stance[agent].phase >> 8) as f32 * (CIRCLE / UNITS));
         let amount = Amount { agent: number, held, early: swung * cosine, late: swung * sine, beat: sine };
         let [trunk, face] = amount.trunk_and_face();
 

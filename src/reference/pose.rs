@@ -87,7 +87,6 @@ pub fn pose(b: Slices<'_>) {
     let Slices {
         frame,
         visible,
-        phase,
         stance,
         appearance,
         gaits,
@@ -112,7 +111,7 @@ pub fn pose(b: Slices<'_>) {
         let mut count = 0;
         let walks = [(c0, w0 * unit), (c1, w1 * unit), (c2, w2 * unit), (c3, w3 * unit)];
         for (id, share) in walks.into_iter().filter(|(_, share)| *share > 0.0) {
-            samples[count] = Sample::of(clip(id), phase[agent], share);
+            samples[count] = Sample::of(clip(id), stance[agent].phase, share);
             count += 1;
         }
         let gaits = count;

@@ -14,8 +14,8 @@ pub fn pose_far(b: Slices<'_>) {
             continue;
         }
         let walk = limit(b.stance[agent].walk_weight, 0.0, 1.0);
-        let [heading_sine, heading_cosine] = sin_cos(b.stance[agent].heading);
-        let [_, stride] = sin_cos((b.phase[agent] >> 8) as f32 * (TURN / STEPS));
+        let [heading_sine, heading_cosine] = sin_cos(b.heading[agent]);
+        let [_, stride] = sin_cos((b.stance[agent].phase >> 8) as f32 * (TURN / STEPS));
         let [lean, nod, spread, arm_swing] = posture(&b, agent);
         b.far_poses[agent] = FarPose {
             heading_sine,

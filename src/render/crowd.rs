@@ -30,8 +30,8 @@ pub struct CrowdBuffers<'a> {
     pub position: &'a Buffer,
     /// Height of the floor stood on, m: `f32 [agent]`.
     pub elevation: &'a Buffer,
-    /// Heading, radians, and walk weight: `vec2<f32> [agent]`.
-    pub stance: &'a Buffer,
+    /// Heading, rad: `f32 [agent]`.
+    pub heading: &'a Buffer,
     /// How lod3 and lod4 bodies hold themselves: `FarPose [agent]`.
     pub far_poses: &'a Buffer,
 }
@@ -58,7 +58,7 @@ impl<'a> CrowdBuffers<'a> {
             appearance: find("appearance")?,
             position: find("position")?,
             elevation: find("elevation")?,
-            stance: find("stance")?,
+            heading: find("heading")?,
             far_poses: find("far_poses")?,
         })
     }
@@ -92,7 +92,7 @@ impl<'a> CrowdBuffers<'a> {
             "appearance" => self.appearance,
             "position" => self.position,
             "elevation" => self.elevation,
-            "stance" => self.stance,
+            "heading" => self.heading,
             "far_poses" => self.far_poses,
             _ => return None,
         })

@@ -48,8 +48,8 @@ impl Show {
     pub(crate) fn snapshot(store: &Store) -> Store {
         let mut snapshot = Store {
             position: store.position.clone(),
+            heading: store.heading.clone(),
             stance: store.stance.clone(),
-            phase: store.phase.clone(),
             ..Store::default()
         };
         if store.step.floor_count != 0 {
@@ -67,10 +67,10 @@ impl Show {
         self.make_room()?; // the snapshot goes into memory of the next frame's slot
         if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
             // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
-            let [position, stance, phase, elevation] = READ;
+            let [position, heading, stance, elevation] = READ;
             let felt = [BufferId::GaitWeights, BufferId::Appearance];
             let slot = self.renderer.slot();
-            animator.bring(slot, snapshot, &[position, stance, phase, elevation, felt[0], felt[1]])?;
+            animator.bring(slot, snapshot, &[position, heading, stance, elevation, felt[0], felt[1]])?;
             self.taken = number;
             self.kept.keep(time);
         }
@@ -292,8 +292,8 @@ mod tests {
                 Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
             let mut pictures = Vec::new();
             // a snapshot, the same again, and one in which all agents are elsewhere
-            // place, phase and stance of each agent
-            let moment = agents as usize * (size_of::<[f32; 2]>() + size_of::<u32>() + size_of::<Stance>());
+            // place, heading and stance of each agent
+            let moment = agents as usize * (size_of::<[f32; 2]>() + size_of::<f32>() + size_of::<Stance>());
             for (number, bytes) in [(1_u32, moment), (1, 0), (2, moment)] {
                 let before = counter.submissions.load(Ordering::Relaxed);
                 show.take(&Show::snapshot(&store), number.into(), number.into()).unwrap();

@@ -34,7 +34,7 @@ const LEAST: f32 = 2.5;
 
 /// What the animation reads of a crowd's state.
 pub(super) const READ: [BufferId; 4] =
-    [BufferId::Position, BufferId::Stance, BufferId::Phase, BufferId::Elevation];
+    [BufferId::Position, BufferId::Heading, BufferId::Stance, BufferId::Elevation];
 
 /// Draws a simulation.
 #[derive(Debug)]

@@ -137,8 +137,9 @@ impl Replay {
             store.position[agent] = start.position.to_array();
             store.velocity[agent] = start.velocity.to_array();
             let stride = store.body[agent].stride_at(start.velocity.length());
+            store.heading[agent] = facing(start);
             store.stance[agent] = Stance {
-                heading: facing(start),
+                phase: store.stance[agent].phase,
                 walk_weight: if walks { 1.0 } else { 0.0 },
                 stride,
                 ..Stance::default()

@@ -120,8 +120,12 @@ pub fn state_hash(store: &Store) -> u64 {
     let mut add = |bytes: &[u8]| hash.add(bytes);
     add(bytemuck::cast_slice(&store.position[..agents]));
     add(bytemuck::cast_slice(&store.velocity[..agents]));
-    add(bytemuck::cast_slice(&store.stance[..agents]));
-    add(bytemuck::cast_slice(&store.phase[..agents]));
+    // headings once lay where phases lie now, and the hashes of then still hold
+    for (heading, stance) in store.heading.iter().zip(&store.stance).take(agents) {
+        add(bytemuck::bytes_of(heading));
+        add(&bytemuck::bytes_of(stance)[size_of_val(&stance.phase)..]);
+    }
+    store.stance[..agents].iter().for_each(|stance| add(bytemuck::bytes_of(&stance.phase)));
     add(bytemuck::cast_slice(&store.route[..agents]));
     add(bytemuck::cast_slice(&store.waiting[..agents]));
     if store.step.floor_count > 0 {

@@ -42,7 +42,7 @@ impl Person {
             position: Vec2::from_array(position),
             elevation: store.elevation.get(i).copied().unwrap_or(0.0),
             velocity: Vec2::from_array(*store.velocity.get(i)?),
-            heading: store.stance.get(i)?.heading,
+            heading: *store.heading.get(i)?,
             emotions: felt.copied().unwrap_or(Emotion::Neutral.weights()),
         })
     }

@@ -300,13 +300,13 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.step.reaction_steps = store.step.reaction_steps.max(until);
     store.reaction.push(until);
     push_teleport(store, agent);
+    store.heading.push(agent.heading);
     store.stance.push(Stance {
-        heading: agent.heading,
+        phase: agent.phase,
         walk_weight: f32::from(u8::from(reaction == 0)),
         stride: body.stride_at(preferred_speed),
         ..Stance::default()
     });
-    store.phase.push(agent.phase);
     let length = agent.route_length.max(1);
     store.route.push(Route::new(agent.route_start, length, agent.loops, agent.waypoint));
     store.gaits.push(clips);

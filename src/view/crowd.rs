@@ -394,8 +394,8 @@ fn carry_on(before: &Store, after: &mut Store) {
         elevation,
         position,
         velocity,
+        heading,
         stance,
-        phase,
         route,
         stage_progress,
         queues,
@@ -416,15 +416,8 @@ mod tests {
         let mut store = Store {
             position: vec![[1.0, 2.0], [crate::ground::ABSENT; 2]],
             velocity: vec![[3.0, 4.0]; 2],
-            stance: vec![
-                Stance {
-                    heading: std::f32::consts::FRAC_PI_2,
-                    walk_weight: 1.0,
-                    stride: 1.4,
-                    ..Stance::default()
-                };
-                2
-            ],
+            heading: vec![std::f32::consts::FRAC_PI_2; 2],
+            stance: vec![Stance { walk_weight: 1.0, stride: 1.4, ..Stance::default() }; 2],
             route: vec![Route { arrivals: 3, ..Route::new(1, 2, true, 1) }; 2],
             body: vec![
                 Body {

@@ -274,7 +274,9 @@ fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
     store.frame.individuals = 0.0;
     store.position[0] = [1.0, 3.0];
-    store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
+    store.heading[0] = 0.4;
+    store.stance[0] =
+        Stance { phase: store.stance[0].phase, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
     store.appearance[0] = Appearance::new(0, 0, false, 1.0, [0; 4]);
     store.gaits[0] = [0, 1, 2, 0];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
@@ -294,13 +296,13 @@ fn a_whole_frame_of_one_gait_is_that_frame_and_half_way_lies_between() {
     for frame in 0..CLIP_FRAMES {
         let mut store = one_agent();
         let start = u32::try_from(frame).unwrap() << 26;
-        store.phase[0] = start;
+        store.stance[0].phase = start;
         run(&mut store);
         for joint in 0..JOINT_COUNT {
             let want = clip_rotation(&store, 0, frame, joint);
             assert!(pose_rotation(&store, joint).dot(want).abs() > 1.0 - 1e-6, "frame {frame} joint {joint}");
         }
-        store.phase[0] = start + (1 << 25);
+        store.stance[0].phase = start + (1 << 25);
         run(&mut store);
         for joint in 0..JOINT_COUNT {
             let a = clip_rotation(&store, 0, frame, joint);
@@ -329,8 +331,8 @@ fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
     let faults: [fn(&mut Store); 14] = [
         |s| s.position[0][0] = f32::NAN,
         |s| s.position[0][1] = f32::INFINITY,
-        |s| s.stance[0].heading = f32::NAN,
-        |s| s.stance[0].heading = 1e9,
+        |s| s.heading[0] = f32::NAN,
+        |s| s.heading[0] = 1e9,
         |s| s.stance[0].walk_weight = f32::NEG_INFINITY,
         |s| s.stance[0].stride = f32::NAN,
         |s| s.appearance[0].traits = 2, // avatars are 0 and 1
@@ -393,7 +395,7 @@ fn the_blend_depends_neither_on_the_signs_of_quaternions_nor_on_the_sum_of_the_w
     }
     // between two gaits, the one that weighs more is nearer
     let near = |store: &Store, clip: usize| {
-        let frame = (store.phase[0] >> 26) as usize;
+        let frame = (store.stance[0].phase >> 26) as usize;
         let dots = (4..10).map(|j| pose_rotation(store, j).dot(clip_rotation(store, clip, frame, j)).abs());
         dots.sum::<f32>()
     };

@@ -20,7 +20,8 @@ fn around(agents: u32, emotion: Emotion, gaze: &Gaze) -> Store {
         let away = 1.0 + 6.5 * (i as f32 + 0.5) / agents as f32;
         let angle = i as f32 * 2.4;
         store.position[i] = [user[0] + away * angle.sin(), user[1] + away * angle.cos()];
-        store.stance[i] = Stance { heading: angle + std::f32::consts::PI, ..Stance::default() };
+        store.heading[i] = angle + std::f32::consts::PI;
+        store.stance[i] = Stance { phase: store.stance[i].phase, ..Stance::default() };
         store.appearance[i] = Appearance::new(0, emotion as u32, true, 1.0, [0; 4]);
         store.gaits[i] = [0; 4];
         store.gait_weights[i] = [1.0, 0.0, 0.0, 0.0];
@@ -167,7 +168,7 @@ fn fewer_turns_from_now_on_are_kept_at_once_and_a_turn_ends_when_the_user_is_out
     let looking = picture(&mut store);
     assert!(!looking.is_empty());
     for agent in &looking {
-        store.stance[*agent].heading += std::f32::consts::PI; // turns its back
+        store.heading[*agent] += std::f32::consts::PI; // turns its back
     }
     let others = picture(&mut store);
     assert!(looking.iter().all(|agent| !others.contains(agent)));

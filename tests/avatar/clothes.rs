@@ -133,7 +133,7 @@ fn found(emotion: Emotion, sex: walker::Sex, number: u32, phases: u32) -> usize 
     let clothes = &avatar.wardrobe.as_ref().unwrap().levels[0];
     let mut sum = 0;
     for phase in 0..phases {
-        walker.store.phase[0] = ((phase << 16) / phases) << 16;
+        walker.store.stance[0].phase = ((phase << 16) / phases) << 16;
         walker.draw();
         let joints = walker.joints();
         let palette: Vec<Mat4> =

@@ -77,7 +77,7 @@ fn from_farther_away_both_eyes_meet_between_the_users_eyes() {
         [(seen(20.0, 3.3, 1.7), 0.0), (seen(-50.0, 5.0, 1.2), 0.8), (seen(0.0, 7.5, 1.6), 3.0)]
     {
         let mut store = standing(Emotion::Angry, NATURAL, user);
-        store.stance[0].heading = turned;
+        store.heading[0] = turned;
         let turn = Mat4::from_rotation_y(turned);
         store.frame.user_eyes = turn.transform_point3(user).extend(0.0).to_array();
         run(&mut store);
@@ -157,7 +157,8 @@ fn blinks_come_every_two_to_six_seconds_and_last_a_seventh_of_one() {
 fn sad_eyes_rest_on_the_ground_two_to_four_metres_ahead_and_others_do_not() {
     for walk in [0.0, 1.0] {
         let mut store = standing(Emotion::Sad, NATURAL, seen(0.0, 2.0, 1.6));
-        store.stance[0] = Stance { heading: 2.1, walk_weight: walk, stride: TRAVEL, ..Stance::default() };
+        store.heading[0] = 2.1;
+        store.stance[0] = Stance { walk_weight: walk, stride: TRAVEL, ..store.stance[0] };
         run(&mut store);
         for time in (0..30_000).step_by(50) {
             at_time(&mut store, time);
@@ -195,7 +196,7 @@ fn eyes_that_look_ahead_hold_still_while_the_head_nods_and_move_on_within_three_
         // far from a change, another phase of the gait leaves the eyes where they are in the world
         at_time(&mut store, time);
         let [(_, way), _] = looks(&store);
-        store.phase[0] = store.phase[0].wrapping_add(0x1000_0000);
+        store.stance[0].phase = store.stance[0].phase.wrapping_add(0x1000_0000);
         run(&mut store);
         let [(_, then), _] = looks(&store);
         assert!(way.angle_between(then).to_degrees() < 0.3, "{}", way.angle_between(then).to_degrees());

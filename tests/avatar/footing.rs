@@ -14,7 +14,7 @@ fn stopped(emotion: Emotion, phase: u32) -> (Walker, Seen) {
     let mut walker = woman(emotion, 1.0);
     let speed = walker.speed;
     watch(&mut walker, speed, 3.0);
-    while walker.store.phase[0].wrapping_sub(phase).cast_signed().unsigned_abs() > 1 << 26 {
+    while walker.store.stance[0].phase.wrapping_sub(phase).cast_signed().unsigned_abs() > 1 << 26 {
         walker.go([0.0, speed]);
     }
     let seen = watch(&mut walker, 0.0, 4.0);
@@ -62,7 +62,7 @@ fn who_turns_on_the_spot_steps() {
         let seen = watch_all(&mut walker, |time| if time < 2.0 { [-0.06, -0.01] } else { [0.0, 0.0] }, 5.0);
         are_planted(emotion.name(), &seen, [0.00015, 0.12, 0.003]);
         is_settled(emotion.name(), &walker);
-        let turned = walker.store.stance[0].heading;
+        let turned = walker.store.heading[0];
         assert!((turned + 1.735).abs() < 0.01 && seen.strides > 1.0, "{emotion}: {turned} rad, {seen:?}");
     }
 }
@@ -190,7 +190,7 @@ fn feet_are_put_on_stairs() {
             most = moves.fold(most, f32::max);
             before = Some(now);
             for (foot, later) in [(Joint::LeftFoot, 0), (Joint::RightFoot, 1 << 31)] {
-                let since = walker.store.phase[0].wrapping_add(later) >> 24;
+                let since = walker.store.stance[0].phase.wrapping_add(later) >> 24;
                 if (0x20..0x80).contains(&since) {
                     let ankle = now[foot as usize];
                     let lowest = walker.sole(foot).iter().map(|point| point.y).fold(9.0, f32::min);

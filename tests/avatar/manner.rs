@@ -57,8 +57,10 @@ impl People {
             let clip = cast.clip_index(avatar, gait_of(agent) as u32);
             let shown = cast.clip(clip);
             store.body[agent] = Body { walk_ratio: shown.walk_ratio(), ..store.body[agent] };
+            store.heading[agent] = 0.0;
+            let phase = store.stance[agent].phase;
             store.stance[agent] =
-                Stance { heading: 0.0, walk_weight: 1.0, stride: shown.stride_travel, ..Stance::default() };
+                Stance { phase, walk_weight: 1.0, stride: shown.stride_travel, ..Stance::default() };
             store.appearance.push(Appearance::new(avatar, emotion as u32, false, 1.0, [0; 4]));
             store.gaits.push([clip; 4]);
             store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
@@ -100,7 +102,8 @@ impl People {
     }
 
     fn draw_at(&mut self, phase: u32) {
-        self.store.phase.fill((u64::from(phase) * (1 << 32) / u64::from(PHASES)) as u32);
+        let phase = (u64::from(phase) * (1 << 32) / u64::from(PHASES)) as u32;
+        self.store.stance.iter_mut().for_each(|stance| stance.phase = phase);
         self.draw();
     }
 

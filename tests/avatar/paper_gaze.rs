@@ -36,7 +36,8 @@ pub(crate) fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
     let mut store = animation(1, 0);
     store.elevation.fill(0.0);
     store.position[0] = [0.0, 0.0];
-    store.stance[0] = Stance::default();
+    store.heading[0] = 0.0;
+    store.stance[0] = Stance { phase: store.stance[0].phase, ..Stance::default() };
     store.appearance[0] = Appearance::new(0, emotion as u32, true, 1.0, [0; 4]);
     store.gaits[0] = [0; 4];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
@@ -411,7 +412,7 @@ fn natural_gaze_stays_on_the_user_while_the_body_walks() {
     let user = seen_from_neck(15.0, 3.0, 1.5);
     let mut worst = 0.0_f32;
     for picture in 0..300 {
-        store.phase[0] = store.phase[0].wrapping_add(u32::MAX / 72); // one stride a second
+        store.stance[0].phase = store.stance[0].phase.wrapping_add(u32::MAX / 72); // one stride a second
         film(&mut store, 1, |_| user);
         let (eyes, face) = eyes_and_face(&store, 0, &avatar(0, 0));
         if picture > 100 {

@@ -52,6 +52,7 @@ impl Standing {
             looks.set_size(build.stature, build.breadth);
             store.visible.push(agent as u32);
             store.position.push([0.0; 2]);
+            store.heading.push(0.0);
             store.stance.push(Stance::default());
             store.appearance.push(looks);
             store.physique.push(build.physique);

@@ -25,9 +25,10 @@ const PICTURE: u32 = 14;
 
 /// Has everyone walk so much, with the strides of their first gaits.
 fn walk(store: &mut Store, walk_weight: f32) {
+    store.heading.fill(0.0);
     for (own, [gait, ..]) in store.stance.iter_mut().zip(&store.gaits) {
         let [.., stride] = store.clip_frames[*gait as usize * CLIP_STRIDE + JOINT_COUNT];
-        *own = Stance { heading: 0.0, walk_weight, stride, ..Stance::default() };
+        *own = Stance { phase: own.phase, walk_weight, stride, ..Stance::default() };
     }
 }
 
@@ -48,11 +49,11 @@ impl People {
         for (agent, emotion) in emotions.iter().enumerate() {
             let avatar = agent as u32 & 1;
             store.visible.push(agent as u32);
+            store.heading.push(0.0);
             store.stance.push(Stance::default());
             store.appearance.push(Appearance::new(avatar, *emotion as u32, false, 1.0, [0; 4]));
             store.gaits.push([0, 1, 2, 3].map(|gait| cast.clip_index(avatar, gait)));
             store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
-            store.phase.push(0);
         }
         store.visible.push(NONE);
         store.local_rotations = vec![[0.0; 4]; emotions.len() * POSE_STRIDE];
@@ -118,7 +119,7 @@ fn people_breathe_12_to_20_times_a_minute_by_time_and_each_at_an_own_rate() {
     for agent in 0..4 {
         let mut of_full = [Vec::new(), Vec::new()];
         for time in (0..60_000_u32).step_by(250) {
-            people.store.phase.fill(time.wrapping_mul(0x0123_4567));
+            people.store.stance.iter_mut().for_each(|stance| stance.phase = time.wrapping_mul(0x0123_4567));
             people.pose_at(time);
             let breath = breath_of(agent as u32, 3, time);
             if breath.abs() > 0.7 {
@@ -341,7 +342,7 @@ fn no_joint_jumps_between_two_pictures() {
 fn who_walks_is_drawn_as_the_gait_says_at_any_time() {
     let mut people = People::of(Emotion::Happy, 4);
     walk(&mut people.store, 1.0);
-    people.store.phase.fill(5 << 26);
+    people.store.stance.iter_mut().for_each(|stance| stance.phase = 5 << 26);
     let gait = people.store.gaits[0][0] as usize;
     for time in [0, 77_777, u32::MAX] {
         people.pose_at(time);
@@ -365,7 +366,7 @@ fn in_half_a_stride_the_upper_body_is_half_way_to_the_mean_of_its_gait_and_the_l
     let mut people = People::of(Emotion::Happy, 1);
     walk(&mut people.store, 1.0);
     people.store.stance[0].stride *= 0.5;
-    people.store.phase.fill(5 << 26);
+    people.store.stance.iter_mut().for_each(|stance| stance.phase = 5 << 26);
     let first = people.store.gaits[0][0] as usize * CLIP_STRIDE;
     let rotation = |frame: usize, joint: usize| people.store.clip_frames[first + frame * POSE_STRIDE + joint];
     let wanted: [Quat; JOINT_COUNT] = std::array::from_fn(|joint| {

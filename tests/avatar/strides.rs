@@ -82,7 +82,8 @@ fn knees_give_and_bend_by_speed_as_measured() {
 /// The largest turn of a joint from one picture to the next while a person sets off, hurries and stops, degrees.
 fn largest_turn(mut walker: Walker) -> f32 {
     let own = walker.speed;
-    walker.store.stance[0] = Stance::default();
+    walker.store.heading[0] = 0.0;
+    walker.store.stance[0] = Stance { phase: walker.store.stance[0].phase, ..Stance::default() };
     let mut before: Option<[Quat; JOINT_COUNT]> = None;
     let mut worst = 0.0_f32;
     for picture in 0..1200u16 {

@@ -45,9 +45,9 @@ impl Walker {
         store.body = vec![body];
         store.position = vec![[0.0, 0.0]];
         store.elevation = vec![0.0];
-        store.phase = vec![0];
         let stride = 2.0 * (speed * body.walk_ratio).sqrt();
-        store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0, stride, ..Stance::default() }];
+        store.heading = vec![0.0];
+        store.stance = vec![Stance { walk_weight: 1.0, stride, ..Stance::default() }];
         store.clip_frames = bodies::pack_clips(cast.clips());
         store.rig = bodies::pack_rig(cast.avatars());
         store.frame.clip_count = cast.clips().len() as u32;
@@ -110,7 +110,7 @@ impl Walker {
         let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
         let [x, z] = self.store.position[0];
         let root = Vec4::from_array(pose[JOINT_COUNT]).truncate();
-        let heading = Quat::from_rotation_y(self.store.stance[0].heading);
+        let heading = Quat::from_rotation_y(self.store.heading[0]);
         let world = Mat4::from_rotation_translation(heading, Vec3::new(x, self.store.elevation[0], z));
         self.avatar.model_from_joint(&rotations, root).map(|model| world * model)
     }
@@ -168,9 +168,9 @@ pub fn watch_all(walker: &mut Walker, velocity: impl Fn(f32) -> [f32; 2], second
     let (mut roots, mut hands, mut knees) = (Vec::new(), Vec::new(), vec![(0.0, 0.0); 100]);
     let (mut total, mut count) = (0.0, 0.0);
     for picture in 0..(seconds * PICTURES) as u16 {
-        let before = walker.store.phase[0];
+        let before = walker.store.stance[0].phase;
         walker.go(velocity(f32::from(picture) / PICTURES));
-        let gone = walker.store.phase[0].wrapping_sub(before) as f32 / 2.0_f32.powi(32);
+        let gone = walker.store.stance[0].phase.wrapping_sub(before) as f32 / 2.0_f32.powi(32);
         seen.strides += gone;
         let points = feet.map(|foot| walker.sole(foot)).concat();
         marks.resize(points.len(), None);
@@ -193,7 +193,7 @@ pub fn watch_all(walker: &mut Walker, velocity: impl Fn(f32) -> [f32; 2], second
         let at = walker.joints().map(|joint| joint.w_axis.truncate());
         roots.push(at[Joint::Root as usize].y);
         hands.push(at[Joint::LeftHand as usize].z - at[Joint::Root as usize].z);
-        let percent = (f64::from(walker.store.phase[0]) / 2.0_f64.powi(32) * 100.0) as usize;
+        let percent = (f64::from(walker.store.stance[0].phase) / 2.0_f64.powi(32) * 100.0) as usize;
         knees[percent] = (knees[percent].0 + walker.knee(), knees[percent].1 + 1.0);
     }
     seen.moves.0 = total / f32::max(count, 1.0);

@@ -96,7 +96,7 @@ impl<'a> Built<'a> {
         let [x, z] = self.store.position[self.agent()];
         Mat4::from_scale_rotation_translation(
             Vec3::splat(self.scale()),
-            Quat::from_rotation_y(self.store.stance[self.agent()].heading),
+            Quat::from_rotation_y(self.store.heading[self.agent()]),
             Vec3::new(x, 0.0, z),
         )
     }

@@ -128,7 +128,10 @@ fn far_bodies_are_held_as_their_emotion_walks() {
             store.gaze_frame.push(u32::MAX);
             store.attention.push(Attention::default());
         }
-        store.stance.fill(Stance { heading: 1.57, walk_weight: 1.0, stride: 1.4, ..Stance::default() }); // seen from the side, walking
+        store.heading.fill(1.57); // seen from the side
+        store.stance.iter_mut().for_each(|own| {
+            *own = Stance { phase: own.phase, walk_weight: 1.0, stride: 1.4, ..Stance::default() }
+        });
         let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
         let middle = 0.5 * store.step.wrap;
         let mut simulation = gpu::on_device(Simulation::from_store(store, Backend::Vulkan, None))?;

@@ -43,15 +43,15 @@ fn pictures_between_steps_show_what_lies_between_and_change_nothing() {
             between = moments.at(then + (now - then) * f64::from(share), agents);
             assert!((between.share - share).abs() < 1e-4);
             drawn.animate_between(after.frame, between, keep.take()).unwrap();
-            let shown = drawn.read(&[BufferId::Position, BufferId::Stance, BufferId::Phase]).unwrap();
+            let shown = drawn.read(&[BufferId::Position, BufferId::Heading, BufferId::Stance]).unwrap();
             for agent in 0..agents as usize {
                 let at = |store: &Store| Vec2::from_array(store.position[agent]);
                 let want = at(&before).lerp(at(&after), share);
                 assert!(at(shown).distance(want) < 1e-4, "step {step}, {agent}: {} not {want}", at(shown));
-                let way = after.phase[agent].wrapping_sub(before.phase[agent]) as f32;
-                let gone = shown.phase[agent].wrapping_sub(before.phase[agent]) as f32;
+                let way = after.stance[agent].phase.wrapping_sub(before.stance[agent].phase) as f32;
+                let gone = shown.stance[agent].phase.wrapping_sub(before.stance[agent].phase) as f32;
                 assert!((gone - share * way).abs() <= 0.001 * way + 512.0, "step {step}, {agent}");
-                let turned = |store: &Store| store.stance[agent].heading - before.stance[agent].heading;
+                let turned = |store: &Store| store.heading[agent] - before.heading[agent];
                 let wrap = |turn: f32| (turn + 3.0).rem_euclid(std::f32::consts::TAU) - 3.0;
                 assert!((wrap(turned(shown)) - share * wrap(turned(&after))).abs() < 1e-4, "step {step}");
             }

@@ -4,7 +4,7 @@ use crate::common::gpu;
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory};
-use gaitway::kernels::layout::{FarPose, Stance};
+use gaitway::kernels::layout::FarPose;
 use gaitway::kernels::shared::body::index::SKIN_JOINTS;
 use gaitway::render::camera::View;
 use gaitway::render::pack::{MeshBuffers, pack_avatars};
@@ -235,7 +235,7 @@ impl HandMade {
             .collect();
         let position: Vec<[f32; 2]> = places.iter().map(|p| p.0.to_array()).collect();
         let elevation = vec![0.0_f32; position.len()];
-        let stance = vec![Stance::default(); position.len()];
+        let heading = vec![0.0_f32; position.len()];
         let far_poses = vec![FarPose::default(); position.len()];
         fn bytes<T: bytemuck::Pod>(x: &[T]) -> &[u8] {
             bytemuck::cast_slice(x)
@@ -251,7 +251,7 @@ impl HandMade {
             ("look", bytes(&look)),
             ("position", bytes(&position)),
             ("elevation", bytes(&elevation)),
-            ("stance", bytes(&stance)),
+            ("heading", bytes(&heading)),
             ("far_poses", bytes(&far_poses)),
         ];
         let buffers = contents
@@ -266,8 +266,7 @@ impl HandMade {
 
     /// Turns an agent, and puts it on another floor; for what is drawn from these alone.
     pub(super) fn turn(&mut self, agent: usize, heading: f32, elevation: f32) {
-        let stances = bytemuck::cast_slice_mut::<u8, Stance>(self.buffers[10].bytes_mut());
-        stances[agent].heading = heading;
+        bytemuck::cast_slice_mut::<u8, f32>(self.buffers[10].bytes_mut())[agent] = heading;
         bytemuck::cast_slice_mut::<u8, f32>(self.buffers[9].bytes_mut())[agent] = elevation;
     }
 
@@ -291,7 +290,7 @@ impl HandMade {
             appearance: &b[7],
             position: &b[8],
             elevation: &b[9],
-            stance: &b[10],
+            heading: &b[10],
             far_poses: &b[11],
         }
     }

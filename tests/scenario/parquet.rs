@@ -20,7 +20,7 @@ fn write(path: &Path, scene: &str, agents: u32, frames: u32) -> Vec<(Vec<Vec2>, 
         let store = simulation.state().unwrap();
         let ground = |all: &[[f32; 2]]| -> Vec<Vec2> { all.iter().copied().map(Vec2::from).collect() };
         let (positions, velocities) = (ground(&store.position), ground(&store.velocity));
-        let headings: Vec<f32> = store.stance.iter().map(|stance| stance.heading).collect();
+        let headings: Vec<f32> = store.heading.clone();
         let frame =
             Frame { positions: &positions, headings: &headings, velocities: &velocities, emotions: &[] };
         writer.frame(&frame).unwrap();

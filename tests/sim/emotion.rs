@@ -243,7 +243,7 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
             changes[i] += u32::from(emotion != shown[i]);
             shown[i] = emotion;
             let moved = f32::hypot(store.velocity[i][0], store.velocity[i][1]) * DT;
-            let strides = store.phase[i].wrapping_sub(before.phase[i]) as f32 / u32::MAX as f32;
+            let strides = store.stance[i].phase.wrapping_sub(before.stance[i].phase) as f32 / u32::MAX as f32;
             assert!((strides * store.stance[i].stride - moved).abs() < 1e-4, "step {step}: the feet slide");
             let ratios = store.paces[i].walk_ratios.iter().zip(store.feeling[i]);
             let blended: f32 = ratios.map(|(ratio, weight)| ratio * weight).sum();

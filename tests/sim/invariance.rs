@@ -63,7 +63,7 @@ fn permuting_the_agents_permutes_the_crowd_exactly() {
             mixed.velocity[new] = plain.velocity[old];
             mixed.body[new] = plain.body[old];
             mixed.stance[new] = plain.stance[old];
-            mixed.phase[new] = plain.phase[old];
+            mixed.heading[new] = plain.heading[old];
             mixed.route[new] = plain.route[old];
         }
         for store in [&mut plain, &mut mixed] {

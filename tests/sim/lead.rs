@@ -43,7 +43,7 @@ fn the_led_are_where_they_were_led_and_the_same_bits_on_both_backends() {
             if there {
                 assert!(at.distance(path(step)) < 1e-5, "step {step}: {at} {}", path(step));
                 let heading = gaitway::ground::heading_from_ground(velocity);
-                let off = (store.stance[0].heading - heading).rem_euclid(std::f32::consts::TAU);
+                let off = (store.heading[0] - heading).rem_euclid(std::f32::consts::TAU);
                 assert!(!(0.4..=5.9).contains(&off), "step {step}: faces {off} rad beside its way");
                 assert!(
                     (store.stance[0].walk_weight - 1.0).abs() < 0.2,

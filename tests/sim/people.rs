@@ -32,8 +32,8 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     store.body = (0..count).map(|i| body(speeds[i % speeds.len()])).collect();
     store.avoidance = vec![avoidance(2.0, 5.0, 10, 0.0); count];
     store.elevation = vec![0.0; count];
-    store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4, ..Stance::default() }; count];
-    store.phase = vec![0; count];
+    store.heading = vec![0.0; count];
+    store.stance = vec![Stance { walk_weight: 1.0, stride: 1.4, ..Stance::default() }; count];
     store.stages = vec![Stage::waypoint([1e4, 0.0], 1.0)];
     store.route = vec![Route::new(0, 1, false, 0); count];
     store.companions.clear();
@@ -256,7 +256,8 @@ fn a_class_walks_at_its_speed_with_the_strides_of_its_gaits() {
     let after = slow.state().unwrap();
     for i in 0..40 {
         let way = Vec2::from(after.position[i]).distance(Vec2::from(before.position[i]));
-        let strides = f64::from(after.phase[i].wrapping_sub(before.phase[i])) / f64::from(u32::MAX);
+        let strides =
+            f64::from(after.stance[i].phase.wrapping_sub(before.stance[i].phase)) / f64::from(u32::MAX);
         assert!((strides * f64::from(after.stance[i].stride) - f64::from(way)).abs() < 1e-4, "agent {i}");
     }
 }

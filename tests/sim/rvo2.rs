@@ -109,8 +109,8 @@ fn store(layout: &Layout) -> Store {
         ],
         avoidance: vec![sim::setup::avoidance(layout.horizon, layout.distance, 10, 0.0); count],
         elevation: vec![0.0; count],
+        heading: vec![0.0; count],
         stance: vec![Stance::default(); count],
-        phase: vec![0; count],
         route: vec![Route::new(0, 1, false, 0); count],
         stages: vec![Stage::waypoint([0.0, 0.0], 0.0)],
         ..Store::default()

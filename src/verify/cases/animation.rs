@@ -178,8 +178,9 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     let (left, right, turns, lean) = (both(0.5), both(0.5), both(1.0), both(0.1));
     let (heights, slopes, [foresight, _]) = (both(0.3), both(0.2), both(0.5));
     let heading = dice.between(-3.1, 3.1);
+    store.heading.push(heading);
     store.stance.push(Stance {
-        heading,
+        phase: dice.bits(),
         walk_weight: walk,
         left,
         right,
@@ -190,7 +191,6 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         stride,
         foresight,
     });
-    store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
     let scale = dice.between(0.9, 1.1);
     let mut looks = Appearance {
@@ -293,7 +293,7 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
     let angry_gazer = Appearance::new(0, Emotion::Angry as u32, true, 1.0, [0; 4]).traits;
     match hard {
         Hard::NotANumber => store.position[agent][1] = f32::NAN,
-        Hard::Infinite => store.stance[agent].heading = f32::INFINITY,
+        Hard::Infinite => store.heading[agent] = f32::INFINITY,
         Hard::NegativeWeight => store.gait_weights[agent][2] = -0.5,
         Hard::NoSuchAvatar => store.appearance[agent].set_avatar(0xff),
         Hard::NoSuchClip => {
@@ -307,7 +307,8 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
             store.position[agent] = [user_eyes.x, user_eyes.z + 0.01];
             store.appearance[agent].traits = angry_gazer;
             store.appearance[agent].scale = if matches!(hard, Hard::UserAbove) { 0.6 } else { 1.0 };
-            store.stance[agent] = Stance::default();
+            let phase = store.stance[agent].phase;
+            (store.heading[agent], store.stance[agent]) = (0.0, Stance { phase, ..Stance::default() });
         }
         Hard::Absent => store.position[agent] = [crate::ground::ABSENT; 2],
         Hard::Undrawn => store.appearance[agent].set_bodiless(true),
@@ -315,16 +316,19 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
         Hard::AtTheRange => {
             store.position[agent] = [user_eyes.x, user_eyes.z + 8.0];
             store.appearance[agent].traits = angry_gazer;
-            store.stance[agent] = Stance { heading: std::f32::consts::PI, ..Stance::default() };
+            let phase = store.stance[agent].phase;
+            store.heading[agent] = std::f32::consts::PI;
+            store.stance[agent] = Stance { phase, ..Stance::default() };
             (store.gaze_frame[agent], store.attention[agent]) = (0, Attention::default());
         }
         Hard::ZeroWeights => store.gait_weights[agent] = [0.0; 4],
-        Hard::PhaseAtTheEnd => store.phase[agent] = u32::MAX,
+        Hard::PhaseAtTheEnd => store.stance[agent].phase = u32::MAX,
         Hard::StraightBehind => {
             // faces away from the user, in front of the camera
             store.position[agent] = [user_eyes.x, user_eyes.z + 2.0];
-            store.stance[agent] =
-                Stance { heading: 0.0, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
+            let phase = store.stance[agent].phase;
+            store.heading[agent] = 0.0;
+            store.stance[agent] = Stance { phase, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
             store.appearance[agent].traits = angry_gazer;
         }
     }
@@ -337,8 +341,8 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     for _ in 0..SPARE {
         store.position.push([NAN; 2]);
         store.elevation.push(NAN);
+        store.heading.push(NAN);
         store.stance.push(nan());
-        store.phase.push(POISON);
         store.appearance.push(filled(POISON));
         store.physique.push(filled(POISON));
         store.gaits.push([POISON; 4]);

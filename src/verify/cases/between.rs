@@ -44,8 +44,9 @@ pub fn between(agents: usize, seed: u32) -> Store {
             _ => {}
         }
         store.position.push(stands);
+        store.heading.push(heading);
         store.stance.push(Stance {
-            heading,
+            phase,
             walk_weight: random(8),
             left: [22, 23].map(random),
             right: [24, 25].map(random),
@@ -56,7 +57,6 @@ pub fn between(agents: usize, seed: u32) -> Store {
             stride: random(20),
             foresight: random(40),
         });
-        store.phase.push(phase);
         store.elevation.push(within(9, 4.0));
         store.gait_weights.push([10, 11, 12, 13].map(random));
         let at = (1 - newest) as usize * agents + i;
@@ -79,8 +79,8 @@ pub fn between(agents: usize, seed: u32) -> Store {
     }
     store.snapshots.extend([filled::<Snapshot>(0xdead_beef); SPARE]);
     store.position.extend([[f32::NAN; 2]; SPARE]);
+    store.heading.extend([f32::NAN; SPARE]);
     store.stance.extend([nan::<Stance>(); SPARE]);
-    store.phase.extend([0xdead_beef; SPARE]);
     store.elevation.extend([f32::NAN; SPARE]);
     store.gait_weights.extend([[f32::NAN; 4]; SPARE]);
     store

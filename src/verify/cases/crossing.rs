@@ -69,8 +69,13 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
         });
         store.avoidance.push(avoidance(2.0, 5.0, 10, 0.0));
         store.elevation.push(0.0);
-        store.stance.push(Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4, ..Stance::default() });
-        store.phase.push(hash_u32(cell));
+        store.heading.push(0.0);
+        store.stance.push(Stance {
+            phase: hash_u32(cell),
+            walk_weight: 1.0,
+            stride: 1.4,
+            ..Stance::default()
+        });
         store.route.push(Route::new(stream, 1, true, 0));
     }
     super::step::scratch(&mut store, agents);

@@ -184,8 +184,9 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         let foot = |lane: u32| {
             if i % 4 == 1 { [0.0; 2] } else { [u(lane) - 0.5, u(lane + 1) - 0.5].map(|off| 0.6 * off) }
         };
+        store.heading.push(u(9) * 6.2 - 3.1);
         store.stance.push(Stance {
-            heading: u(9) * 6.2 - 3.1,
+            phase: hash_u32(seed ^ i as u32),
             walk_weight: [u(10), 0.0][usize::from(i % 3 == 1)],
             left: foot(25),
             right: foot(27),
@@ -196,7 +197,6 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             stride: 1.6 * u(24),
             foresight: 0.5 - u(37),
         });
-        store.phase.push(hash_u32(seed ^ i as u32));
         store.route.push(Route::new((i as u32 % 5) * 3, 3, u(11) < 0.5, i as u32 % 4));
     }
     for w in 0..15 {
@@ -214,8 +214,8 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.lead.push(of(&store.lead, like));
         store.reaction.push(u32::MAX);
         store.teleport_of.push(0);
+        store.heading.push(of(&store.heading, like));
         store.stance.push(of(&store.stance, like));
-        store.phase.push(0);
         store.route.push(Route::new(0, 3, false, 0));
     }
 }

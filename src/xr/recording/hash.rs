@@ -54,7 +54,7 @@ impl SessionHash {
             let is_near = self.sees_far || away[0] * away[0] + away[1] * away[1] < range * range;
             if own.gazes() && is_near {
                 let scale = own.scale;
-                let mut seen = user_in_model(head, [x, z], crowd.stance[agent].heading, scale);
+                let mut seen = user_in_model(head, [x, z], crowd.heading[agent], scale);
                 seen[1] -= crowd.elevation[agent] / scale;
                 #[allow(clippy::cast_possible_truncation, reason = "at most a million agents")]
                 self.hash.add(bytemuck::cast_slice(&[agent as u32, own.traits]));
