@@ -4,7 +4,7 @@
 // shader would read eleven buffers for it, more than some devices bind.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> agent_bucket: array<u32>;           // [agent]
-@group(0) @binding(2) var<storage, read> heading: array<f32>;                 // [agent] rad
+@group(0) @binding(2) var<storage, read> heading: array<f32>;                // [agent] rad
 @group(0) @binding(3) var<storage, read> stance: array<Stance>;              // [agent]
 @group(0) @binding(4) var<storage, read> elevation: array<f32>;              // [agent] m
 @group(0) @binding(5) var<storage, read> gaits: array<vec4<u32>>;            // [agent] clip ids
