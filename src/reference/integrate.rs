@@ -22,7 +22,8 @@ pub fn integrate(b: Slices<'_>) {
     b.step_count[0] = b.step.step_index + 1;
     let (step, new_velocity, agent_slot, body) = (b.step, b.new_velocity, b.agent_slot, b.body);
     let state = b.position[..agents].par_iter_mut().zip(&mut b.velocity[..agents]);
-    let state = state.zip(&mut b.stance[..agents]).zip(&mut b.heading[..agents]).enumerate().with_min_len(1024);
+    let state =
+        state.zip(&mut b.stance[..agents]).zip(&mut b.heading[..agents]).enumerate().with_min_len(1024);
     let failed = state
         .filter_map(|(agent, (((position, velocity), stance), heading))| {
             if agent_slot[agent] == NOBODY {
@@ -108,7 +109,8 @@ impl State<'_> {
         };
         *self.heading = wrap(faced + turned);
 
-        let (here, there) = (going_of(agent, &was, faced, &body), going_of(agent, &now, *self.heading, &body));
+        let (here, there) =
+            (going_of(agent, &was, faced, &body), going_of(agent, &now, *self.heading, &body));
         let left_behind = |off: [f32; 2], off_turned: f32, side: f32| {
             let share = left_over(since_strike(was.phase, side), since_strike(now.phase, side));
             let (from, to) = (foothold(&here, side), foothold(&there, side));

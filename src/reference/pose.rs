@@ -84,16 +84,7 @@ fn stride_of(gaits: &[Sample], clip_frames: &[[f32; 4]], walked: f32, scale: f32
 
 /// Twin of `shaders/pose.wgsl`.
 pub fn pose(b: Slices<'_>) {
-    let Slices {
-        frame,
-        visible,
-        stance,
-        appearance,
-        gaits,
-        gait_weights,
-        clip_frames,
-        local_rotations,
-    } = b;
+    let Slices { frame, visible, stance, appearance, gaits, gait_weights, clip_frames, local_rotations } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
     visible_agents(visible).par_iter().zip(slots).for_each(|(number, pose)| {
         let agent = *number as usize;
