@@ -219,6 +219,13 @@ impl Write for Partial {
     }
 }
 
+#[cfg(unix)]
+impl std::os::fd::AsFd for Partial {
+    fn as_fd(&self) -> std::os::fd::BorrowedFd<'_> {
+        self.file.as_fd()
+    }
+}
+
 impl Seek for Partial {
     fn seek(&mut self, to: SeekFrom) -> Result<u64> {
         self.file.seek(to)

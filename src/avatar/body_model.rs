@@ -76,6 +76,9 @@ pub struct Mesh {
     pub indices: Vec<u32>,
 }
 
+/// What moves less of a face is not seen, m.
+pub(super) const UNSEEN: f32 = 5e-5;
+
 /// How a vertex of a face or a hand moves with the numbers of an [`Expression`](crate::kernels::layout::Expression): how far it goes
 /// from its place at rest, mesh space, m, where that number is 1 and the others are 0.
 #[doc(hidden)]

@@ -36,6 +36,8 @@ pub(crate) mod columns;
 pub mod figure;
 pub mod image;
 #[cfg(feature = "parquet")]
+mod long_file;
+#[cfg(feature = "parquet")]
 mod parquet_chunk;
 #[cfg(feature = "parquet")]
 mod parquet_encode;

@@ -4,6 +4,7 @@
 use super::Error;
 use super::atomic::wrong;
 use super::columns::VERSION_KEY;
+use super::long_file::LongFile;
 use super::parquet_chunk::Chunk;
 use super::rounded::Rounded;
 use crate::file::Partial;
@@ -88,7 +89,7 @@ const BUFFER: usize = 1 << 18;
 
 /// A file of a table being written in a temporary neighbour of its place.
 pub(super) struct Table {
-    writer: SerializedFileWriter<BufWriter<Partial>>,
+    writer: SerializedFileWriter<BufWriter<LongFile>>,
     columns: Vec<ColumnDescPtr>,
 }
 
@@ -110,7 +111,7 @@ impl Table {
         let make = || -> Result<_, ParquetError> {
             let schema = Arc::new(schema(columns)?);
             let columns_of_it = SchemaDescriptor::new(schema.clone()).columns().to_vec();
-            let file = BufWriter::with_capacity(BUFFER, partial);
+            let file = BufWriter::with_capacity(BUFFER, LongFile::new(partial));
             let writer = SerializedFileWriter::new(file, schema, Arc::new(properties(columns)?))?;
             Ok(Self { writer, columns: columns_of_it })
         };
@@ -153,7 +154,8 @@ impl Table {
 
     /// Completes the bytes; the file has no name yet.
     pub(super) fn complete(self) -> Result<Partial, ParquetError> {
-        Ok(self.writer.into_inner()?.into_inner().map_err(IntoInnerError::into_error)?)
+        let file = self.writer.into_inner()?.into_inner().map_err(IntoInnerError::into_error)?;
+        Ok(file.into_inner())
     }
 }
 

@@ -3,6 +3,7 @@
 //! All movements slide along the skull, so that no skin leaves it. They fade with the distance from what moves.
 
 use super::super::FaceVertex;
+use super::super::body_model::UNSEEN;
 use super::eye::Eye;
 use super::head::Skull;
 use super::weights::step;
@@ -16,8 +17,6 @@ pub(super) const CORNER: f32 = 0.0257;
 pub(super) const BROW: [f32; 2] = [0.0118, 0.0385];
 /// The middle of the brows, under the crown (man's size), m.
 const BROW_AT: f32 = 0.089;
-/// Less is not seen, m.
-const LEAST: f32 = 5e-5;
 /// How far the lower lids rise in a smile, and where lips are pressed, as the angry do (unit 7), rad.
 const LOWER_LID: [f32; 2] = [0.16, 0.20];
 
@@ -156,5 +155,5 @@ impl Eye {
 /// Nothing where no movement is seen.
 fn seen(own: FaceVertex) -> FaceVertex {
     let ways = [own.inner_brow, own.outer_brow, own.corners_up, own.corners_down, own.opened, own.pressed];
-    if ways.iter().all(|way| way.length() < LEAST) { FaceVertex::default() } else { own }
+    if ways.iter().all(|way| way.length() < UNSEEN) { FaceVertex::default() } else { own }
 }

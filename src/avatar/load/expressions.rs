@@ -1,6 +1,7 @@
 //! VRM's expressions: what they move of a face, as our numbers of a face move it.
 
 use super::super::FaceVertex;
+use super::super::body_model::UNSEEN;
 use super::accessor::{self, Buffer};
 use crate::emotion::Emotion;
 use crate::kernels::eyes::{BY_MOUTH_CORNER, BY_MOUTH_OPEN};
@@ -13,9 +14,6 @@ const NAMES: [[&str; 2]; 5] =
 
 /// How far a vertex goes with each of them, m: the happy, angry and sad face, the open mouth, shut eyes.
 pub(super) type Ways = [Vec3; NAMES.len()];
-
-/// Less is not seen, m.
-const LEAST: f32 = 5e-5;
 
 /// A share of a morph target of a mesh.
 #[derive(Debug, Clone, Copy)]
@@ -127,7 +125,7 @@ fn number(value: &Value) -> Option<usize> {
 /// several of them move with one number, so each is without its share of the other. VRM names no brows: they move with the
 /// mouth's numbers. Nothing where no movement is seen.
 pub(super) fn face_vertex(vertex: u32, ways: &Ways) -> Option<FaceVertex> {
-    if ways.iter().all(|way| way.length() < LEAST) {
+    if ways.iter().all(|way| way.length() < UNSEEN) {
         return None;
     }
     let [happy, angry, sad, opened, blink] = *ways;
