@@ -47,6 +47,16 @@ impl OnCpu {
     }
 }
 
+/// Agents from which on kernels are shared among threads: for fewer it is not worth a wait for another thread.
+const SHARED: u32 = 257;
+
+/// Does work on one of the threads that kernels are shared among. There a kernel's parts are taken at once; from elsewhere each
+/// kernel wakes a thread, and is woken when that is done. A step at most: a thread that waits for others may take the work of
+/// another crowd meanwhile, and goes on when that is done.
+pub(crate) fn among_threads<T: Send>(store: &mut Store, work: impl FnOnce(&mut Store) -> T + Send) -> T {
+    if store.step.agent_count < SHARED { work(store) } else { rayon::scope(|_| work(store)) }
+}
+
 /// Runs a dispatch by vectors of a kind. Whether lanes run its kernel at all.
 pub(crate) fn run_on(isa: Isa, dispatch: &Dispatch, store: &mut Store) -> bool {
     let Some(lane) = lane(dispatch.phase) else { return false };

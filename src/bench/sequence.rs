@@ -8,7 +8,7 @@ use crate::kernels::BufferId;
 use crate::kernels::layout::Teleport;
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::{Dispatch, KernelId, Phase, Store};
-use crate::lanes::OnCpu;
+use crate::lanes::{OnCpu, among_threads};
 use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
 use crate::sim::{Backend, bodies, order};
@@ -347,13 +347,16 @@ impl Sequence {
             let times = engine.run(&ops, |_, buffer| store.bytes(buffer).to_vec(), true)?;
             return Ok(summed(times.into_iter().map(|time| (time.dispatch.phase, time.milliseconds))));
         }
-        let mut times = Vec::with_capacity(self.dispatches.len());
-        for dispatch in &self.dispatches {
+        let (on_cpu, dispatches) = (self.on_cpu, &self.dispatches);
+        let timed = |store: &mut Store, dispatch: &Dispatch| {
             let begin = Instant::now();
-            self.on_cpu.run(dispatch, &mut self.store);
-            times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
-        }
-        Ok(summed(times))
+            on_cpu.run(dispatch, store);
+            (dispatch.phase, begin.elapsed().as_secs_f64() * 1e3)
+        };
+        let run = |store: &mut Store| -> Vec<_> {
+            dispatches.iter().map(|dispatch| timed(store, dispatch)).collect()
+        };
+        Ok(summed(among_threads(&mut self.store, run)))
     }
 }
 

@@ -8,7 +8,7 @@ use super::order;
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Engine, Priority, Validation, Wanted};
 use crate::kernels::{BufferId, Op, Phase, Store};
-use crate::lanes::OnCpu;
+use crate::lanes::{OnCpu, among_threads};
 #[cfg(feature = "vulkan")]
 use std::sync::Arc;
 use std::time::Instant;
@@ -172,11 +172,14 @@ impl Machine {
         &mut self,
         store: &mut Store,
         ops: &[Op],
-        contents: impl Fn(usize, BufferId) -> Vec<u8>,
+        contents: impl Fn(usize, BufferId) -> Vec<u8> + Send,
         times: Option<&mut Vec<(Phase, f64)>>,
     ) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu(kernels) => run_on_cpu(*kernels, store, ops, contents, times),
+            Self::Cpu(kernels) => {
+                let kernels = *kernels;
+                among_threads(store, |store| run_on_cpu(kernels, store, ops, contents, times));
+            }
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => {
                 let ran = engine.run(ops, contents, times.is_some())?;
@@ -201,9 +204,10 @@ impl Machine {
         match self {
             Self::Cpu(kernels) => {
                 _ = is_new; // the store is all the memory there is
-                let mut times = times;
+                let (kernels, mut times) = (*kernels, times);
                 for _ in 0..count {
-                    run_on_cpu(*kernels, store, ops, |_, _| Vec::new(), times.as_deref_mut());
+                    let times = times.as_deref_mut();
+                    among_threads(store, |store| run_on_cpu(kernels, store, ops, |_, _| Vec::new(), times));
                 }
             }
             #[cfg(feature = "vulkan")]

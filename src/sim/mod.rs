@@ -146,7 +146,11 @@ impl Simulation {
     }
 
     /// Runs operations, each [`Op::Set`] with what `contents` gives for it.
-    fn run(&mut self, ops: &[Op], contents: impl Fn(usize, BufferId) -> Vec<u8>) -> Result<(), crate::Error> {
+    fn run(
+        &mut self,
+        ops: &[Op],
+        contents: impl Fn(usize, BufferId) -> Vec<u8> + Send,
+    ) -> Result<(), crate::Error> {
         self.machine.run(&mut self.store, ops, contents, self.times.as_mut())
     }
 
