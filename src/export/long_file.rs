@@ -5,7 +5,7 @@ use crate::file::Partial;
 use std::io::{Result, Write};
 use std::ops::Range;
 
-/// Bytes after which the system is told, so that two such parts are in memory. A file of fewer stays there whole.
+/// Bytes after which the system is asked, so that two such parts are in memory. A file of fewer stays there whole.
 const PART: u64 = 1 << 25;
 
 /// A file of which the system keeps the end in memory.
