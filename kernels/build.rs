@@ -40,8 +40,9 @@ fn main() -> ExitCode {
 
 fn generate() -> Result<(), String> {
     let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
-    let is_x86 = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|arch| arch == "x86_64");
-    let sets: Vec<Isa> = Isa::ALL.into_iter().filter(|isa| is_x86 || *isa == Isa::Portable).collect();
+    let architecture =
+        std::env::var("CARGO_CFG_TARGET_ARCH").map_err(|e| format!("CARGO_CFG_TARGET_ARCH: {e}"))?;
+    let sets = Isa::of(&architecture);
     let listing = std::fs::read_dir(SHADERS).map_err(|e| format!("{SHADERS}: {e}"))?;
     let mut files: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.retain(|file| file.extension().is_some_and(|extension| extension == "wgsl"));
@@ -55,9 +56,9 @@ fn generate() -> Result<(), String> {
         }
         let source =
             Source::read(file, &Path::new(SHADERS).join("shared"), number).map_err(|e| e.to_string())?;
-        for (entry, written) in entries(&source, &sets)? {
+        for (entry, written) in entries(&source, sets)? {
             match written {
-                Ok(kernels) => write(&out, &entry, &sets, &kernels, &mut modules, &mut table)?,
+                Ok(kernels) => write(&out, &entry, sets, &kernels, &mut modules, &mut table)?,
                 Err(why) => _ = writeln!(left, "    (\"{entry}\", {why:?}),"),
             }
         }

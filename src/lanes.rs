@@ -41,6 +41,7 @@ impl OnCpu {
         match (self, best()) {
             (Self::Twins, _) => "CPU reference",
             (Self::Lanes, Isa::Portable) => "CPU",
+            (Self::Lanes, Isa::Neon) => "CPU with NEON",
             (Self::Lanes, Isa::Avx2) => "CPU with AVX2",
             (Self::Lanes, Isa::Avx512) => "CPU with AVX-512",
         }

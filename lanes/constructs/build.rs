@@ -11,7 +11,7 @@ use wgsl_lanes::generate::kernel;
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=wgsl");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
-    let is_x86 = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|arch| arch == "x86_64");
+    let architecture = std::env::var("CARGO_CFG_TARGET_ARCH")?;
     let mut all = String::new();
     for entry in std::fs::read_dir("wgsl")? {
         let file = entry?.path();
@@ -19,9 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let module = naga::front::wgsl::parse_str(&std::fs::read_to_string(&file)?)?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module)?;
         let mut runs = String::new();
-        for isa in Isa::ALL.into_iter().filter(|isa| is_x86 || *isa == Isa::Portable) {
+        for isa in Isa::of(&architecture) {
             let set = isa.name();
-            let written = kernel(&module, &info, 0, isa)?;
+            let written = kernel(&module, &info, 0, *isa)?;
             std::fs::write(out.join(format!("{name}.{set}.rs")), written.text)?;
             let path = Path::new(&out).join(format!("{name}.{set}.rs"));
             let _ = writeln!(all, "mod {name}_{set} {{ include!({:?}); }}", path.display().to_string());

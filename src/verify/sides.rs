@@ -17,6 +17,7 @@ impl Side {
         match self {
             Self::Device => "device",
             Self::Lanes(Isa::Portable) => "lanes (portable)",
+            Self::Lanes(Isa::Neon) => "lanes (NEON)",
             Self::Lanes(Isa::Avx2) => "lanes (AVX2)",
             Self::Lanes(Isa::Avx512) => "lanes (AVX-512)",
         }

@@ -9,6 +9,7 @@
     reason = "bits of words, as a shader has them"
 )]
 
+use wgsl_lanes::Isa;
 use wgsl_lanes_constructs::{ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
@@ -28,6 +29,12 @@ fn expect(runs: Runs, buffers: &[Vec<u32>], immediate: u32, count: u32, number: 
         }
         assert_eq!(want.len(), made[number].len());
     }
+}
+
+#[test]
+fn the_widest_set_that_this_machine_has_is_compiled() {
+    assert!(FLOATS.iter().any(|(isa, _)| *isa == Isa::best()), "{:?} is not among {FLOATS:?}", Isa::best());
+    assert!(std::env::consts::ARCH != "aarch64" || Isa::best() == Isa::Neon, "{:?}", Isa::best());
 }
 
 fn lesser(a: f32, b: f32) -> f32 {

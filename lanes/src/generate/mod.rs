@@ -172,7 +172,7 @@ impl Writer<'_> {
     /// What makes a function use the instructions.
     fn attribute(&self) -> &'static str {
         match self.isa {
-            Isa::Portable => "",
+            Isa::Portable | Isa::Neon => "",
             Isa::Avx2 => "#[target_feature(enable = \"avx2\")]\n",
             Isa::Avx512 => "#[target_feature(enable = \"avx512f,avx512bw,avx512dq,avx512vl\")]\n",
         }

@@ -210,6 +210,13 @@ impl M {
         self.xor(Self::c(true))
     }
 
+    /// Some lane is true.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn any(self) -> bool {
+        self.bits() != 0
+    }
+
     /// A bit a lane, the first lowest.
     #[inline]
     #[target_feature(enable = "avx2")]

@@ -196,6 +196,13 @@ impl M {
         Self(!self.0)
     }
 
+    /// Some lane is true.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+    pub fn any(self) -> bool {
+        self.bits() != 0
+    }
+
     /// A bit a lane, the first lowest.
     #[inline]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]

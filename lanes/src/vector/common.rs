@@ -147,13 +147,6 @@ macro_rules! common {
         }
 
         impl M {
-            /// Some lane is true.
-            #[inline]
-            $(#[$attr])*
-            pub fn any(self) -> bool {
-                self.bits() != 0
-            }
-
             /// 1 or 0.
             #[inline]
             $(#[$attr])*

@@ -11,6 +11,8 @@ mod common;
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
+#[cfg(target_arch = "aarch64")]
+pub mod neon;
 pub mod portable;
 
 /// A set of instructions that kernels are compiled for.
@@ -18,6 +20,8 @@ pub mod portable;
 pub enum Isa {
     /// What every machine has: arrays of eight words, which the compiler makes vectors of where it can.
     Portable,
+    /// NEON: four words.
+    Neon,
     /// AVX2: eight words.
     Avx2,
     /// AVX-512 (F, BW, DQ, VL): sixteen words.
@@ -26,12 +30,22 @@ pub enum Isa {
 
 impl Isa {
     /// All, the narrowest first.
-    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+    pub const ALL: [Self; 4] = [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512];
+
+    /// Those that machines of an architecture may have, by the name that Cargo gives it (`CARGO_CFG_TARGET_ARCH`).
+    pub fn of(architecture: &str) -> &'static [Self] {
+        match architecture {
+            "x86_64" => &[Self::Portable, Self::Avx2, Self::Avx512],
+            "aarch64" => &[Self::Portable, Self::Neon],
+            _ => &[Self::Portable],
+        }
+    }
 
     /// Its name, as in modules of generated code.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
+            Self::Neon => "neon",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
         }
@@ -40,6 +54,7 @@ impl Isa {
     /// How many invocations run side by side.
     pub const fn lanes(self) -> u32 {
         match self {
+            Self::Neon => 4,
             Self::Portable | Self::Avx2 => 8,
             Self::Avx512 => 16,
         }
@@ -49,6 +64,7 @@ impl Isa {
     pub fn is_here(self) -> bool {
         match self {
             Self::Portable => true,
+            Self::Neon => cfg!(target_arch = "aarch64"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => is_x86_feature_detected!("avx2"),
             #[cfg(target_arch = "x86_64")]

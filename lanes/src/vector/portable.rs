@@ -196,6 +196,12 @@ impl M {
         Self(V(self.0).xor(V::c(u32::MAX)).0)
     }
 
+    /// Some lane is true.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.bits() != 0
+    }
+
     /// A bit a lane, the first lowest.
     #[inline(always)]
     pub fn bits(self) -> u32 {
