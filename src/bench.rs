@@ -14,6 +14,8 @@ use std::time::Instant;
 mod crowds;
 mod field;
 mod goals;
+#[cfg(feature = "vulkan")]
+mod light;
 mod measured;
 mod models;
 #[cfg(feature = "vulkan")]
@@ -61,6 +63,8 @@ pub enum Workload {
     Stereo,
     /// Frames with and without occlusion culling, from within the crowd, before and above it.
     Occlusion,
+    /// Pictures of the scene `crossing` at low, medium and high quality, from the user's eyes and from above.
+    Light,
     /// The flow fields of a goal over squares of as many cells of 0.5 m (see the rows' names).
     Field,
     /// Steps and pictures of 10,000, 100,000 and 1,000,000 people against this project's goals for a large GPU.
@@ -114,7 +118,7 @@ pub fn bench(
     for (number, &agents) in sizes.iter().enumerate() {
         #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
         let share = |part: f64| (number as f64 + part) / sizes.len() as f64;
-        if matches!(workload, Workload::Stereo | Workload::Occlusion) {
+        if matches!(workload, Workload::Stereo | Workload::Occlusion | Workload::Light) {
             progress(&format!("pictures, {agents} agents"), share(0.0));
             let (timed, device) = pictures(workload, agents, backend, device)?;
             name = device;
@@ -188,7 +192,7 @@ pub fn bench(
     Ok(Report { device: name, fallback, optimised, seed: 0, rows, quality, goals, wall_seconds })
 }
 
-/// Times frames for both eyes.
+/// Times pictures.
 #[cfg(feature = "vulkan")]
 fn pictures(
     workload: Workload,
@@ -198,11 +202,12 @@ fn pictures(
 ) -> Result<(Vec<Row>, String), crate::Error> {
     match workload {
         Workload::Occlusion => occlusion::occlusion(agents, backend, device),
+        Workload::Light => light::light(agents, backend, device),
         _ => stereo::stereo(agents, backend, device),
     }
 }
 
-/// Frames need Vulkan.
+/// Pictures need Vulkan.
 #[cfg(not(feature = "vulkan"))]
 fn pictures(
     _workload: Workload,
@@ -211,7 +216,7 @@ fn pictures(
     _device: Option<&str>,
 ) -> Result<(Vec<Row>, String), crate::Error> {
     Err(crate::Error::Usage {
-        message: "pictures for both eyes need Vulkan, which this program was built without".to_owned(),
+        message: "pictures need Vulkan, which this program was built without".to_owned(),
         hint: "build with the feature `vulkan`".to_owned(),
     })
 }

@@ -23,6 +23,7 @@ const PANE: u32 = 16u;
 const LIT_PANE: u32 = 17u;
 
 const NO_JOINTS: f32 = 0.0;
+const FAINTEST: f32 = 0.004; // noise that changes a colour by less, as a share of it, is left out: a step of eight bits
 
 // How a material looks. The vertex shader chooses it, so that all pixels take one path.
 struct Pattern {
@@ -129,11 +130,12 @@ fn is_seen(size: f32, footprint: f32) -> f32 {
 // Grain of a size, or of the least multiple of it by a power of two that is seen: what is farther away shows coarser grain,
 // and less of it.
 fn grain_of(at: vec2<f32>, size: f32, footprint: f32) -> vec3<f32> {
-    let level = max(log2(4.0 * footprint / size), 0.0);
-    let whole = floor(level);
-    let finer = 2.0 - exp2(level - whole);
-    let scale = exp2(-whole) / size;
-    let weight = exp2(-0.6 * whole);
+    // a float is a power of two times 1 to 2: both are its bits
+    let bits = bitcast<u32>(max(4.0 * footprint / size, 1.0));
+    let whole = (bits >> 23u) - 127u;
+    let finer = 2.0 - bitcast<f32>((bits & 0x7fffffu) | 0x3f800000u);
+    let scale = bitcast<f32>((127u - whole) << 23u) / size;
+    let weight = exp2(-0.6 * f32(whole));
     return weight * (value_noise(at * scale) * finer + value_noise(at * scale * 0.5) * (0.66 * (1.0 - finer)));
 }
 
@@ -156,11 +158,16 @@ fn detail_of(pattern: Pattern, world: vec3<f32>, normal: vec3<f32>, footprint: f
     let has_joints = pattern.joints.x > NO_JOINTS;
     let aslant = world.xz + world.y * vec2<f32>(0.71, 0.53);
     let at = select(aslant, select(world.xz, on_wall, abs(normal.y) < 0.7), has_joints);
-    let patches = value_noise(at / pattern.noise.x) * (pattern.noise.z * is_seen(pattern.noise.x, footprint));
-    let grain = grain_of(at, pattern.noise.y, footprint) * pattern.noise.w * is_seen(pattern.noise.x, footprint);
-    let uneven = patches.x + grain.x;
+    let seen = is_seen(pattern.noise.x, footprint);
+    var uneven = 0.0;
+    var tilt = vec2<f32>(0.0);
+    if seen * (pattern.noise.z + pattern.noise.w) > FAINTEST {
+        let patches = value_noise(at / pattern.noise.x) * (pattern.noise.z * seen);
+        let grain = grain_of(at, pattern.noise.y, footprint) * (pattern.noise.w * seen);
+        uneven = patches.x + grain.x;
+        tilt = grain.yz * -0.7;
+    }
     var shade = vec3<f32>(1.0 + uneven) + pattern.look.w * uneven * vec3<f32>(0.7, 0.1, -0.5);
-    let tilt = grain.yz * -0.7;
     if !has_joints {
         return Detail(shade, tilt, 0.0, 0.0);
     }

@@ -79,8 +79,10 @@ fn illuminate(world: vec3<f32>, to_eye: vec3<f32>, matter: Matter) -> vec3<f32> 
         sun = facing * shadow;
     }
     // what the edge of shade has more of than a hard body; no shadow map knows of it
-    let wrapped = max(facing + matter.wrap, 0.0) / (1.0 + matter.wrap);
-    sun += SOFT_EDGE * max(wrapped - max(facing, 0.0), 0.0) * matter.wrap;
+    if matter.wrap > 0.0 {
+        let wrapped = max(facing + matter.wrap, 0.0) / (1.0 + matter.wrap);
+        sun += SOFT_EDGE * max(wrapped - max(facing, 0.0), 0.0) * matter.wrap;
+    }
     let up = 0.5 + 0.5 * normal.y;
     let scattered = view.sun_color.rgb * (SCATTER * (0.5 + 0.5 * facing));
     let ambient = scattered + mix(view.ground_bounce.rgb, view.sky_light.rgb, up);
@@ -89,9 +91,11 @@ fn illuminate(world: vec3<f32>, to_eye: vec3<f32>, matter: Matter) -> vec3<f32> 
     let open = vec3<f32>(matter.occlusion) / (vec3<f32>(1.0) - albedo * (1.0 - matter.occlusion));
     var light = albedo * (view.sun_color.rgb * sun + ambient * open);
     let cosine = clamp(dot(normal, to_eye), 0.0, 1.0);
-    let edge = 1.0 - cosine;
-    let fibres = matter.sheen * SHEEN * edge * edge * edge * matter.occlusion;
-    light += fibres * (0.3 + 0.7 * albedo) * (view.sky_light.rgb + view.sun_color.rgb * (0.4 * sun));
+    if matter.sheen > 0.0 {
+        let edge = 1.0 - cosine;
+        let fibres = matter.sheen * SHEEN * edge * edge * edge * matter.occlusion;
+        light += fibres * (0.3 + 0.7 * albedo) * (view.sky_light.rgb + view.sun_color.rgb * (0.4 * sun));
+    }
     if matter.gloss > 0.0 {
         let ray = reflect(-to_eye, normal);
         let toward = max(dot(ray, view.sun_direction.xyz), 0.0);
@@ -129,13 +133,13 @@ fn finish_fine(light: vec3<f32>, toward: vec4<f32>, eye: u32) -> vec4<f32> {
 
 // A curve of the film's kind, x^a / (b x^a + c), through a middle grey of 0.18 and to white at 2 (Lottes 2016). It bends the
 // brightest channel alone, so that hues stay; what comes near white loses its colour last.
-const CONTRAST: f32 = 1.2;
-const WHITE_SLOPE: f32 = 0.73179;
-const GREY_SLOPE: f32 = 0.61619;
+// a is 1.25: two roots take a fraction of the time of a power.
+const WHITE_SLOPE: f32 = 0.76379;
+const GREY_SLOPE: f32 = 0.56181;
 
 fn film(light: vec3<f32>) -> vec3<f32> {
     let peak = max(max(light.r, max(light.g, light.b)), 1.0e-4);
-    let raised = pow(peak, CONTRAST);
+    let raised = peak * sqrt(sqrt(peak));
     let bent = min(raised / (WHITE_SLOPE * raised + GREY_SLOPE), 1.0);
     let pale = smoothstep(0.65, 1.0, bent);
     return mix(light / peak, vec3<f32>(1.0), 0.3 * pale) * bent;

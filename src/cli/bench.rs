@@ -20,7 +20,8 @@ use clap::{Args, ValueEnum};
 pub(super) struct Arguments {
     /// crossing: the kernels of a step; clustered: these with half of the people within an eighth of the area; storeys: on two
     /// storeys, one above the other; all: those of the crossing, of the animation and the probe; stereo: pictures for both eyes of
-    /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the
+    /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; light: pictures
+    /// of the scene `crossing` at low, medium and high quality; field: the
     /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities;
     /// measured: steps of the scene `crossing` with and without the measures of `simulate`;
     /// goals: what this project wants of a large GPU, with --agents 10000,100000,1000000
@@ -60,6 +61,7 @@ enum WorkloadName {
     All,
     Stereo,
     Occlusion,
+    Light,
     Field,
     Models,
     Measured,
@@ -83,6 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         WorkloadName::Storeys => Workload::Storeys,
         WorkloadName::All => Workload::All,
         WorkloadName::Occlusion => Workload::Occlusion,
+        WorkloadName::Light => Workload::Light,
         WorkloadName::Stereo => Workload::Stereo,
         WorkloadName::Field => Workload::Field,
         WorkloadName::Models => Workload::Models,

@@ -241,6 +241,17 @@ impl View {
         if self.eye_count == 2 { (self.eyes[0] + self.eyes[1]) * 0.5 } else { self.eyes[0] }
     }
 
+    /// Pixels of a metre at a metre's distance in images of so many rows, without the shift of a skewed projection; on a map at any
+    /// distance.
+    pub(crate) fn focal(&self, rows: u32) -> f32 {
+        let clip = &self.clip_from_world[0];
+        let [up, ahead] = [1, 3].map(|row| clip.row(row).truncate());
+        let ahead = ahead.normalize_or_zero();
+        #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
+        let half = 0.5 * rows as f32;
+        half * (up - ahead * up.dot(ahead)).length()
+    }
+
     /// Where a world point appears, in pixels from the top left corner, and its depth; `None` behind the eye.
     pub fn pixel_from_world(&self, eye: usize, point: Vec3, width: u32, height: u32) -> Option<Vec3> {
         let clip = self.clip_from_world[eye.min(1)] * point.extend(1.0);

@@ -20,6 +20,8 @@ pub(super) struct Frame<'a> {
     pub(super) view: &'a View,
     pub(super) settings: &'a Settings,
     pub(super) crowd: Option<DrawnCrowd<'a>>,
+    /// Distance from the eyes at which the third level of bodies with a pose begins, m.
+    pub(super) third_begins: f32,
     /// Number of the eye pass.
     pub(super) eye_pass: usize,
 }

@@ -49,6 +49,7 @@ mod parts;
 mod passes;
 mod pipelines;
 mod renderer;
+mod scenery;
 mod settings;
 pub mod show;
 mod submit;

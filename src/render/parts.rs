@@ -52,6 +52,11 @@ fn divide(triangles: &mut [([u32; 3], Vec3)], found: &mut impl FnMut(&[([u32; 3]
 }
 
 impl Part {
+    /// The same part behind so many other indices.
+    pub(super) fn behind(self, others: u32) -> Self {
+        Self { first: others + self.first, ..self }
+    }
+
     /// Whether any of it can lie in the clip space of one of these matrices.
     pub(super) fn is_seen(&self, clip_from_world: &[Mat4]) -> bool {
         let corners: [Vec3; 8] = std::array::from_fn(|i| {
@@ -72,9 +77,12 @@ impl Part {
 }
 
 /// The ranges of indices of the parts that are seen, first and count; neighbours are joined.
-pub(super) fn seen<'a>(parts: &'a [Part], clip_from_world: &'a [Mat4]) -> Vec<(u32, u32)> {
+pub(super) fn seen<'a>(
+    parts: impl IntoIterator<Item = &'a Part>,
+    clip_from_world: &[Mat4],
+) -> Vec<(u32, u32)> {
     let mut ranges: Vec<(u32, u32)> = Vec::new();
-    for part in parts.iter().filter(|part| part.is_seen(clip_from_world)) {
+    for part in parts.into_iter().filter(|part| part.is_seen(clip_from_world)) {
         match ranges.last_mut() {
             Some((first, count)) if *first + *count == part.first => *count += part.count,
             _ => ranges.push((part.first, part.count)),

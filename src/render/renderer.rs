@@ -23,12 +23,13 @@ use super::passes::{
 use super::pipelines::{SetIndex, Setup};
 use super::settings::{Markers, Quality, Settings};
 use super::submit::Output;
-use super::surface::Surface;
+use super::surface::{Surface, surface};
 use super::target::{COLOR_FORMAT, Format, GpuImage, ImageUse, Readback};
 use super::uniforms::ViewBuffers;
 use super::user::User;
 use crate::avatar::PlaceModel;
 use crate::gpu::{Device, Draws};
+use crate::scenario::EnvironmentMesh;
 use ash::vk;
 use std::sync::Arc;
 
@@ -53,6 +54,8 @@ pub struct Renderer {
     contact: Option<ContactPass>,
     markers: MarkerPass,
     pub(super) meshes: Option<CrowdMeshes>,
+    /// Distance from the eyes at which the third level of bodies with a pose begins, m.
+    pub(super) third_begins: f32,
     /// How the crowd is drawn directly, where it is.
     pub(super) direct: Option<DirectDraws>,
     uniforms: ViewBuffers,
@@ -120,6 +123,7 @@ impl Renderer {
             contact: (settings.quality > Quality::Low).then(|| ContactPass::new(&setup)).transpose()?,
             markers: MarkerPass::new(&setup)?,
             meshes: None,
+            third_begins: 0.0,
             direct: None,
             uniforms: ViewBuffers::new(device, &settings)?,
             attachments,
@@ -205,7 +209,17 @@ impl Renderer {
     /// When a surface's lists do not fit together, it is larger than the device can bind, or memory is short.
     pub fn set_environment(&mut self, surfaces: &[Surface<'_>]) -> Result<(), Error> {
         self.flights.wait_all()?;
-        self.environment.set(&self.submitter, surfaces, self.settings.atmosphere.lamps)
+        self.environment.set(&self.submitter, surfaces, self.settings.atmosphere.lamps, (&[], &[]))
+    }
+
+    /// Replaces the environment by that of a scene.
+    ///
+    /// # Errors
+    /// As [`Self::set_environment`].
+    pub(super) fn set_scenery(&mut self, scenery: &EnvironmentMesh) -> Result<(), Error> {
+        self.flights.wait_all()?;
+        let far = (&scenery.far_indices[..], &scenery.distant[..]);
+        self.environment.set(&self.submitter, &[surface(scenery)], self.settings.atmosphere.lamps, far)
     }
 
     /// Replaces the place that is drawn with the environment; none: there is none.
@@ -264,7 +278,7 @@ impl Renderer {
     ) -> Result<Frame<'a>, Error> {
         let crowd = crowd.zip(self.meshes.as_ref());
         let crowd = crowd.map(|(buffers, meshes)| DrawnCrowd::new(buffers, meshes)).transpose()?;
-        Ok(Frame { view, settings: &self.settings, crowd, eye_pass: 0 })
+        Ok(Frame { view, settings: &self.settings, crowd, third_begins: self.third_begins, eye_pass: 0 })
     }
 
     /// Fills the descriptor sets of a slot, whose frame was waited for.
@@ -309,24 +323,27 @@ impl Renderer {
         let [from, to] = frame::BEFORE;
         commands.barrier(from, to);
         let (uniforms, sun) = frame.uniforms(self.shadow.size());
-        let near = sun.near_from_world();
-        self.uniforms.update(commands, &uniforms, near);
+        let near = sun.near_from_world().zip(sun.near);
+        self.uniforms.update(commands, &uniforms, near.map(|(shadow_from_world, _)| shadow_from_world));
         self.user.update(commands);
         let [from, to] = frame::UNIFORMS;
         commands.barrier(from, to);
-        let whole = SunMap { shadow_from_world: sun.shadow_from_world, pass: 0, is_near: false };
+        let whole = SunMap { shadow_from_world: sun.shadow_from_world, pass: 0, near: None };
         let eye_passes = eye_passes(&self.settings) as usize;
-        let near =
-            near.map(|shadow_from_world| SunMap { shadow_from_world, pass: eye_passes, is_near: true });
+        let near = near.map(|(shadow_from_world, near)| SunMap {
+            shadow_from_world,
+            pass: eye_passes,
+            near: Some(near.casters),
+        });
         let maps: Vec<SunMap> = std::iter::once(whole).chain(near).collect();
         self.shadow.record(commands, &maps, |map| {
-            self.environment.record_shadow(commands, map);
+            self.environment.record_shadow(frame, commands, map);
             if let Some(place) = &self.place {
                 place.record_shadow(commands, map);
             }
             self.crowd.record_shadow(frame, commands, map);
             self.outsiders.record_shadow(frame, commands, map);
-            if !map.is_near {
+            if map.near.is_none() {
                 self.far.record_shadow(frame, commands);
             }
         });

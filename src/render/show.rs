@@ -5,7 +5,7 @@
 
 #[cfg(feature = "view")]
 use super::Target;
-use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
+use super::{CrowdBuffers, Image, Renderer, Settings, View};
 #[cfg(feature = "xr")]
 use crate::gpu::FRAMES_IN_FLIGHT;
 use crate::gpu::plan::Op;
@@ -103,19 +103,8 @@ pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
 
 /// Draws this scenery from now on.
 pub(super) fn set_scenery(renderer: &mut Renderer, scenery: &EnvironmentMesh) -> Result<(), super::Error> {
-    renderer.set_environment(&[surface(scenery)])?;
+    renderer.set_scenery(scenery)?;
     renderer.set_place(scenery.place.as_deref())
-}
-
-fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
-    Surface {
-        positions: &scenery.positions,
-        normals: &scenery.normals,
-        colors: &scenery.colors,
-        layers: &scenery.layers,
-        materials: &scenery.materials,
-        indices: &scenery.indices,
-    }
 }
 
 /// The kernels that prepare the bodies for a frame, and the contents of their uniforms. `between` shows a time between two
@@ -250,9 +239,9 @@ impl Show {
         &mut self,
         simulation: &mut Simulation,
         view: &View,
-        user_eyes: Vec3,
+        user_eyes: impl Into<Option<Vec3>>,
     ) -> Result<(), crate::Error> {
-        self.prepare(simulation, view, user_eyes)?;
+        self.prepare_between(simulation, view, user_eyes.into(), simulation.time(), None)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
         self.renderer.draw_offscreen(view, crowd.as_ref(), false)?;
@@ -341,6 +330,7 @@ impl Show {
         self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
         let (level_distance, lod4) =
             level_distances(view, self.renderer.settings().height, self.frame.level_distance);
+        self.renderer.third_begins = level_distance[1];
         FrameUniforms {
             level_distance,
             planes: view.planes(),
@@ -391,17 +381,11 @@ pub(crate) fn level_distances(
     height: u32,
     [first, second, farthest, _]: [f32; 4],
 ) -> ([f32; 4], f32) {
-    let clip = &view.clip_from_world[0];
-    let [up, ahead] = [1, 3].map(|row| clip.row(row).truncate());
-    #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
-    let rows = 0.5 * height as f32;
+    let focal = view.focal(height);
     if view.parallel {
-        let all_below = |pixels| if PERSON * rows * up.length() < pixels { f32::MIN_POSITIVE } else { 0.0 };
+        let all_below = |pixels| if PERSON * focal < pixels { f32::MIN_POSITIVE } else { 0.0 };
         return ([first, second, farthest, all_below(FAR_PIXELS)], all_below(SPECK_PIXELS));
     }
-    // pixels of a metre at a metre's distance, without the shift of a skewed projection
-    let ahead = ahead.normalize_or_zero();
-    let focal = rows * (up - ahead * up.dot(ahead)).length();
     let nearer = (focal / FULL_FOCAL).min(1.0);
     let scaled = [(first * nearer).max(first.min(LEAST)), (second * nearer).max(second.min(LEAST))];
     let far = (PERSON * focal / FAR_PIXELS * (second / LEVEL_DISTANCES[1])).max(scaled[1]).max(POSED);

@@ -10,6 +10,10 @@ const REACH: f32 = 35.0;
 const NEAR_REACH: f32 = 6.0;
 /// A map that is not so many times as fine as the whole one is not worth its time.
 const LEAST_FINER: f32 = 1.9;
+/// Heads are at most so high above what is near the eyes, m: people on a storey above among them.
+const HIGHEST: f32 = 8.5;
+/// Shadows are as long as if the sun were at least so high, as the sine of its elevation.
+const LEAST_HEIGHT: f32 = 0.05;
 /// Bounds of the radius of the shadow map on the ground, m.
 const RADIUS: (f32, f32) = (6.0, 250.0);
 /// Least radius of the finer one, m.
@@ -35,12 +39,14 @@ pub(crate) struct Near {
     pub(crate) middle: Vec2,
     /// How many times as fine it is.
     pub(crate) finer: f32,
+    /// How far from the eyes what casts shadows into it can stand, m.
+    pub(crate) casters: f32,
 }
 
 impl SunView {
     /// World to the clip space of the finer map.
     pub(crate) fn near_from_world(&self) -> Option<Mat4> {
-        let Near { middle, finer } = self.near?;
+        let Near { middle, finer, .. } = self.near?;
         let moved = Mat4::from_translation(Vec3::new(-middle.x, -middle.y, 0.0));
         Some(Mat4::from_scale(Vec3::new(finer, finer, 1.0)) * moved * self.shadow_from_world)
     }
@@ -60,9 +66,15 @@ pub(crate) fn sun_view(view: &View, sun: Vec3, size: u32) -> SunView {
     let clip_from_view = vulkan::orthographic(-radius, radius, -radius, radius, DEPTH, -DEPTH);
     let is_low = (0..view.eye_count.clamp(1, 2) as usize).all(|eye| view.eyes[eye].y < NEAR_REACH);
     let near = (is_low && !view.parallel).then(|| {
-        let near = Square::fitted(bounds(view, |_| NEAR_REACH), &turn, NEAR_RADIUS, size);
+        let (low, high) = bounds(view, |_| NEAR_REACH);
+        let near = Square::fitted((low, high), &turn, NEAR_RADIUS, size);
         let middle = clip_from_view.project_point3(near.center - whole.center).truncate(); // clip space has y downwards
-        Near { middle, finer: radius / near.radius }
+        // from the eyes to the middle, on to a corner of the map, and as long as shadows are
+        let away = view.center().distance(0.5 * (low + high));
+        let height = sun.y.max(LEAST_HEIGHT);
+        let shadow = HIGHEST * (1.0 - height * height).max(0.0).sqrt() / height;
+        let casters = away + near.radius * std::f32::consts::SQRT_2 / height + shadow;
+        Near { middle, finer: radius / near.radius, casters }
     });
     SunView {
         shadow_from_world: clip_from_view * view_from_world,
@@ -192,6 +204,30 @@ mod tests {
                 assert!(close.truncate().abs().max_element() <= 1.0, "{pitch} {seen} {close}");
                 let same = (whole.truncate() - near.middle) * near.finer;
                 assert!((close.truncate() - same).length() < 1e-4 && (close.z - whole.z).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn who_can_cast_a_shadow_into_the_finer_map_is_the_farther_the_lower_the_sun_stands() {
+        let camera = Camera::user_eyes(Vec3::new(3.0, 1.7, -2.0), 0.7, -0.1);
+        let view = View::mono(&camera, 1280, 720);
+        let mut before = 0.0;
+        for degrees in [80.0_f32, 53.0, 30.0, 10.0] {
+            let (up, along) = degrees.to_radians().sin_cos();
+            let sun = Vec3::new(0.0, up, along);
+            let fit = sun_view(&view, sun, 2048);
+            let (reach, near_from_world) = (fit.near.unwrap().casters, fit.near_from_world().unwrap());
+            assert!(reach > before, "{degrees} degrees: {reach} m");
+            before = reach;
+            // what stands farther than that has its head, and all below it, beyond the map's edge
+            for step in 0..16_u8 {
+                let away = Vec2::from_angle(f32::from(step) * std::f32::consts::FRAC_PI_8) * (1.01 * reach);
+                let foot = view.eyes[0].with_y(0.0) + Vec3::new(away.x, 0.0, away.y);
+                for height in [0.0, 1.0, 2.5, HIGHEST] {
+                    let at = near_from_world.project_point3(foot.with_y(height));
+                    assert!(at.truncate().abs().max_element() > 1.0, "{degrees} degrees, {away}: {at}");
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The environment: coloured triangles that do not move.
 
 use super::Error;
-use crate::scenario::SurfaceMaterial;
+use crate::scenario::{EnvironmentMesh, SurfaceMaterial};
 use glam::Vec3;
 
 /// A coloured triangle mesh in the world, metres, y up; triangles wind counter-clockwise seen from outside.
@@ -19,6 +19,18 @@ pub struct Surface<'a> {
     pub materials: &'a [SurfaceMaterial],
     /// Three indices per triangle.
     pub indices: &'a [u32],
+}
+
+/// The surface of a scene.
+pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
+    Surface {
+        positions: &scenery.positions,
+        normals: &scenery.normals,
+        colors: &scenery.colors,
+        layers: &scenery.layers,
+        materials: &scenery.materials,
+        indices: &scenery.indices,
+    }
 }
 
 /// Position with layer, normal and colour with material of a vertex, as `shaders/draw/environment.wgsl` reads them.

@@ -66,6 +66,8 @@ pub use file::{
 };
 #[doc(hidden)]
 pub use file::{Bodies, Clothes, MAX_COORDINATE, Sizes};
+#[doc(hidden)]
+pub use place::Distant;
 pub(crate) use place::place_model;
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
 pub use place::{Clearance, ExternalBodies, Finish, RAILING, Raised, SurfaceMaterial, external_bodies};

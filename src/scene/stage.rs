@@ -195,6 +195,13 @@ impl Stage {
         let eyes = self.scene.geometry.eyes(&self.scene.scenario);
         self.show.draw(&mut self.simulation, &view, eyes)
     }
+
+    /// Draws a picture and leaves it on the device: for timings.
+    pub(crate) fn make(&mut self, camera: &Camera) -> Result<(), crate::Error> {
+        let view = View::mono(camera, self.size.0, self.size.1);
+        let eyes = self.scene.geometry.eyes(&self.scene.scenario);
+        self.show.make(&mut self.simulation, &view, eyes)
+    }
 }
 
 /// The light of a place.

@@ -176,8 +176,23 @@ fn scenery_is_as_fine_as_pictures_of_a_quality_have_room_for() {
             stage.show().renderer().set_environment(&[surface(&mesh)]).unwrap();
             stage.picture(&camera).unwrap()
         });
-        assert!(plain != fine, "{quality:?}");
-        assert!(drawn == if quality == Quality::Low { plain } else { fine }, "{quality:?}");
+        if quality == Quality::Low {
+            assert!(plain != fine && drawn == plain);
+            continue;
+        }
+        // what is far has fewer triangles in a scene than its mesh: the picture is nearly the same
+        let (off, blocks) = (other_pixels(&drawn, &fine), other_pixels(&drawn, &plain));
+        println!(
+            "{quality:?}: {off} of the pixels differ from the fine mesh's, {blocks} from the plain one's"
+        );
+        assert!(off < 0.02 && blocks > 10.0 * off, "{quality:?}: {off} {blocks}");
     }
     gpu::assert_silent();
+}
+
+/// The share of pixels that are clearly different in two pictures.
+fn other_pixels(one: &Image, two: &Image) -> f64 {
+    let pairs = one.pixels.chunks(4).zip(two.pixels.chunks(4));
+    let differ = pairs.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 16));
+    differ.count() as f64 / f64::from(one.width * one.height)
 }

@@ -3,9 +3,9 @@
 use gaitway::Emotion;
 use gaitway::scenario::{
     AgentStart, Clearance, Condition, Crowd, EmotionMode, EnvironmentMesh, Error, Finish, Geometry, Layout,
-    ROUTE_CLEARANCE, Scenario, User, polygon, populate,
+    PropKind, ROUTE_CLEARANCE, Scenario, User, polygon, populate,
 };
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::time::Instant;
 
 /// GEA of a made-up library: five gaits per emotion.
@@ -446,7 +446,7 @@ fn sane(mesh: &EnvironmentMesh, name: &str) -> usize {
     for count in [mesh.normals.len(), mesh.colors.len(), mesh.layers.len(), mesh.materials.len()] {
         assert_eq!(mesh.positions.len(), count);
     }
-    for t in mesh.indices.chunks(3) {
+    for t in mesh.indices.chunks(3).chain(mesh.far_indices.chunks(3)) {
         let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
         let face = (b - a).cross(c - a);
         assert!(face.is_finite() && face.length() > 0.0, "{name}: {a} {b} {c}");
@@ -458,6 +458,31 @@ fn sane(mesh: &EnvironmentMesh, name: &str) -> usize {
     // Nothing that lies flat may be above the feet.
     assert!(mesh.positions.iter().any(|p| p.y > 2.0) && mesh.positions.iter().all(|p| p.y >= 0.0));
     mesh.triangle_count()
+}
+
+#[test]
+fn from_afar_houses_and_cars_have_their_size_and_a_third_of_their_triangles() {
+    for scenario in scenes(&[1000]) {
+        let mesh = scenario.geometry().scenery_of(Finish::Fine);
+        let has_any = scenario.environment.props.iter().any(|prop| prop.kind == PropKind::Car);
+        assert!(!has_any || !mesh.distant.is_empty(), "{}", label(&scenario));
+        let (mut near_count, mut far_count) = (0, 0);
+        for thing in &mesh.distant {
+            let (near, far) = (&mesh.indices[thing.near.clone()], &mesh.far_indices[thing.far.clone()]);
+            let bounds = |indices: &[u32]| {
+                let corners = || indices.iter().map(|index| mesh.positions[*index as usize]);
+                (corners().fold(Vec3::MAX, Vec3::min), corners().fold(Vec3::MIN, Vec3::max))
+            };
+            let ((low, high), (far_low, far_high)) = (bounds(near), bounds(far));
+            let off = (low - far_low).abs().max((high - far_high).abs());
+            assert!(off.max_element() < 0.2, "{}: {low} {high}, {far_low} {far_high}", label(&scenario));
+            near_count += near.len();
+            far_count += far.len();
+        }
+        println!("{}: {} triangles from afar for {}", label(&scenario), far_count / 3, near_count / 3);
+        assert!(3 * far_count <= near_count, "{}: {far_count} for {near_count}", label(&scenario));
+        assert!(scenario.geometry().scenery().distant.is_empty(), "low quality has none");
+    }
 }
 
 #[test]

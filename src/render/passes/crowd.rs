@@ -63,13 +63,16 @@ impl CrowdPass {
 
     pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>, map: &SunMap) {
         let Some(meshes) = frame.crowd.map(|crowd| crowd.meshes) else { return };
-        let (pipeline, list) = match map.is_near {
-            true => (self.near_shadow, DrawList::Seen),
-            false => (self.shadow, DrawList::Shadow),
+        let (pipeline, list) = match map.near {
+            Some(_) => (self.near_shadow, DrawList::Seen),
+            None => (self.shadow, DrawList::Shadow),
         };
+        let reach = map.near.unwrap_or(f32::INFINITY);
+        // near ones may be in the second level for want of room
+        let casts = |bucket: &u32| bucket % meshes.level_count < 2 || frame.third_begins <= reach;
         commands.labelled(c"gaitway.crowd", || {
             commands.use_program(&self.program, pipeline, map.pass);
-            self.draw(frame, commands, 0..meshes.bucket_count, list);
+            self.draw(frame, commands, (0..meshes.bucket_count).filter(casts), list);
         });
     }
 

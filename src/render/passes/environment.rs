@@ -4,13 +4,14 @@ use super::super::Error;
 use super::super::commands::{Commands, Submitter};
 use super::super::frame::{Frame, Shared};
 use super::super::ground_map;
-use super::super::parts::{self, Part};
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
+use super::super::scenery::{Scenery, Sight};
 use super::super::settings::Quality;
 use super::super::surface::{self, Surface};
 use super::shadow::SunMap;
 use crate::gpu::Buffer;
 use crate::kernels::draw;
+use crate::scenario::Distant;
 use ash::vk;
 use glam::{Mat4, Vec3};
 
@@ -26,7 +27,7 @@ pub(in super::super) struct EnvironmentPass {
 struct Mesh {
     vertices: Buffer,
     indices: Buffer,
-    parts: Vec<Part>,
+    scenery: Scenery,
     /// How dark the ground is at the feet of walls; not at low quality, whose shaders do not read it.
     ground_map: Option<Buffer>,
 }
@@ -41,12 +42,14 @@ impl EnvironmentPass {
         Ok(Self { program, solid, shadow, quality: setup.quality, mesh: None })
     }
 
-    /// Replaces the environment; no triangles, no environment.
+    /// Replaces the environment; no triangles, no environment. `far_indices` are of vertices of the first surface, and `distant`
+    /// says for which of its triangles they stand.
     pub(in super::super) fn set(
         &mut self,
         submitter: &Submitter,
         surfaces: &[Surface<'_>],
         lamps: f32,
+        (far_indices, distant): (&[u32], &[Distant]),
     ) -> Result<(), Error> {
         let (vertices, indices) = surface::pack(surfaces, lamps)?;
         self.mesh = None;
@@ -57,14 +60,22 @@ impl EnvironmentPass {
             let [x, y, z, _] = vertices[index as usize][0];
             Vec3::new(x, y, z)
         };
-        let (indices, parts) = parts::split(corner, &indices);
         let has_map = self.quality > Quality::Low;
         let ground_map = has_map.then(|| ground_map::bake(&vertices, &indices));
+        if let Some(index) = far_indices.iter().find(|index| **index as usize >= vertices.len()) {
+            let count = vertices.len();
+            return Err(Error::Mesh(format!("index {index} of what is far, but there are {count} vertices")));
+        }
+        let (indices, scenery) = Scenery::new(corner, &indices, far_indices, distant).ok_or_else(|| {
+            Error::Mesh(
+                "what is drawn otherwise from afar lies beyond the indices, or is out of order".to_owned(),
+            )
+        })?;
         let ground_map =
             ground_map.map(|map| submitter.upload("ground map", bytemuck::cast_slice(&map))).transpose()?;
         let vertices = submitter.upload("environment", bytemuck::cast_slice(&vertices))?;
         let indices = submitter.upload("environment indices", bytemuck::cast_slice(&indices))?;
-        self.mesh = Some(Mesh { vertices, indices, parts, ground_map });
+        self.mesh = Some(Mesh { vertices, indices, scenery, ground_map });
         Ok(())
     }
 
@@ -78,22 +89,31 @@ impl EnvironmentPass {
     }
 
     pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
-        self.draw(commands, self.solid, frame.eye_pass, frame.eyes());
+        self.draw(frame, commands, self.solid, frame.eye_pass, frame.eyes());
     }
 
-    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, map: &SunMap) {
-        self.draw(commands, self.shadow, map.pass, std::slice::from_ref(&map.shadow_from_world));
+    /// Things cast shadows as they are drawn: they would shade themselves otherwise.
+    pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>, map: &SunMap) {
+        self.draw(frame, commands, self.shadow, map.pass, std::slice::from_ref(&map.shadow_from_world));
     }
 
-    fn draw(&self, commands: &Commands<'_>, pipeline: vk::Pipeline, pass: usize, clip_from_world: &[Mat4]) {
+    fn draw(
+        &self,
+        frame: &Frame<'_>,
+        commands: &Commands<'_>,
+        pipeline: vk::Pipeline,
+        pass: usize,
+        clip_from_world: &[Mat4],
+    ) {
         let Some(mesh) = &self.mesh else { return };
+        let sight = Sight::of(frame.view, frame.settings.height);
         commands.labelled(c"gaitway.environment", || {
             commands.use_program(&self.program, pipeline, pass);
             // SAFETY: rendering has begun; every index was checked against the vertices.
             unsafe {
                 let (raw, buffer) = (commands.raw(), commands.buffer);
                 raw.cmd_bind_index_buffer(buffer, mesh.indices.raw, 0, vk::IndexType::UINT32);
-                for (first, count) in parts::seen(&mesh.parts, clip_from_world) {
+                for (first, count) in mesh.scenery.seen(clip_from_world, &sight) {
                     raw.cmd_draw_indexed(buffer, count, 1, first, 0, 0);
                 }
             }

@@ -18,8 +18,8 @@ pub(in super::super) struct SunMap {
     pub(in super::super) shadow_from_world: Mat4,
     /// The pass whose uniforms have that.
     pub(in super::super) pass: usize,
-    /// Whether it is the finer one of what is near the eyes.
-    pub(in super::super) is_near: bool,
+    /// Of the finer one of what is near the eyes: how far from them its casters stand, m.
+    pub(in super::super) near: Option<f32>,
 }
 
 /// The depth of the scene as the sun sees it: maps side by side in one image.

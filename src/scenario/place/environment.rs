@@ -112,7 +112,15 @@ impl Environment {
             if detail.is_none() {
                 break;
             }
+            let since = mesh.indices.len();
             mesh.append(&part);
+            if let Some(look) =
+                detail.and_then(|detail| self.look(index, detail, focus).from_afar(&self.props[index]))
+            {
+                part.clear();
+                props::draw(&mut part, &self.props[index], &look);
+                mesh.stand_in(since, &part);
+            }
         }
         mesh
     }
@@ -122,7 +130,7 @@ impl Environment {
         let is_house = prop.kind == PropKind::Building && detail == Detail::Fine;
         let hidden = if is_house { self.hidden_sides(index) } else { [false; 4] };
         let eye = prop.inward(focus);
-        Look { id: u32::try_from(index).unwrap_or(0), detail, eye, hidden }
+        Look { id: u32::try_from(index).unwrap_or(0), detail, is_far: false, eye, hidden }
     }
 
     /// Which sides of a house, from that at +z on towards +x, stand against another house that is about as tall.

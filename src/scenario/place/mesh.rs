@@ -3,6 +3,7 @@
 use super::material::SurfaceMaterial;
 use crate::avatar::PlaceModel;
 use glam::{Quat, Vec3};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How much scenery has to show.
@@ -41,9 +42,25 @@ pub struct EnvironmentMesh {
     pub materials: Vec<SurfaceMaterial>,
     /// Three indices per triangle.
     pub indices: Vec<u32>,
+    /// Three indices per triangle of what stands for some of that where it is far from the eyes.
+    #[doc(hidden)]
+    pub far_indices: Vec<u32>,
+    /// What has such a stand-in.
+    #[doc(hidden)]
+    pub distant: Vec<Distant>,
     /// A place of the user's own, which is drawn with the rest.
     #[doc(hidden)]
     pub place: Option<Arc<PlaceModel>>,
+}
+
+/// A thing that is drawn with fewer triangles from afar.
+#[doc(hidden)]
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Distant {
+    /// Where its triangles are in `indices`.
+    pub near: Range<usize>,
+    /// Where those from afar are in `far_indices`.
+    pub far: Range<usize>,
 }
 
 impl EnvironmentMesh {
@@ -71,6 +88,16 @@ impl EnvironmentMesh {
         self.layers.extend(&part.layers);
         self.materials.extend(&part.materials);
         self.indices.extend(part.indices.iter().map(|index| base.saturating_add(*index)));
+    }
+
+    /// Has a part stand for the triangles from the index `since` on, where they are far from the eyes.
+    pub(crate) fn stand_in(&mut self, since: usize, part: &Self) {
+        let near = since..self.indices.len();
+        self.append(part);
+        let far = self.indices.split_off(near.end);
+        let from = self.far_indices.len();
+        self.far_indices.extend(far);
+        self.distant.push(Distant { near, far: from..self.far_indices.len() });
     }
 }
 

@@ -21,5 +21,5 @@ pub(crate) use floors::MAX_FLOOR_CORNERS;
 pub use floors::{Floors, RAILING, Raised};
 pub use geometry::Geometry;
 pub use material::SurfaceMaterial;
-pub use mesh::{EnvironmentMesh, Finish};
+pub use mesh::{Distant, EnvironmentMesh, Finish};
 pub use walkable::{Area, AreaError};

@@ -27,6 +27,8 @@ const FRAMES: [u32; 3] = [0xe4e1d8, 0x3a3f45, 0x54463a];
 
 /// Depth of a window's reveal, m.
 const REVEAL: f32 = 0.14;
+/// Width of the frames and bars of windows, m.
+const FRAME: f32 = 0.06;
 /// Windows of a side are drawn one by one up to this distance, m; beyond, a storey's glass is one band.
 const NEAR: f32 = 120.0;
 /// Sills, bars and balconies up to this one, m.
@@ -180,21 +182,28 @@ impl Face {
             let floor = ground + storey as f32 * height;
             let y0 = floor + self.heights()[0] * height;
             let y = [y0, y0 + glass[1]];
+            let opening = |bay: u32| {
+                let middle = (bay as f32 + 0.5) * pitch - 0.5 * (self.wide - 0.8);
+                let x = [middle - 0.5 * glass[0], middle + 0.5 * glass[0]];
+                Opening { x, y, number: (u32::from(side) * 64 + storey) * 64 + bay }
+            };
+            if look.is_far {
+                (0..bays).for_each(|bay| self.flat_window(b, look, opening(bay)));
+                continue;
+            }
             b.of(self.made);
             b.rect([-half, half], [floor, y[0]], self.z, self.wall);
             b.rect([-half, half], [y[1], floor + height], self.z, self.wall);
             let mut from = -half;
-            for bay in 0..bays {
-                let middle = (bay as f32 + 0.5) * pitch - 0.5 * (self.wide - 0.8);
-                let x = [middle - 0.5 * glass[0], middle + 0.5 * glass[0]];
-                b.of(self.made).rect([from, x[0]], y, self.z, self.wall);
-                from = x[1];
-                let number = (u32::from(side) * 64 + storey) * 64 + bay;
-                self.window(b, look, Opening { x, y, number });
+            for opening in (0..bays).map(opening) {
+                b.of(self.made).rect([from, opening.x[0]], y, self.z, self.wall);
+                from = opening.x[1];
+                self.window(b, look, opening);
             }
             b.of(self.made).rect([from, half], y, self.z, self.wall);
         }
-        b.of(self.made).rect([-half, half], [ground + storeys as f32 * height, self.tall], self.z, self.wall);
+        let from = if look.is_far { ground } else { ground + storeys as f32 * height };
+        b.of(self.made).rect([-half, half], [from, self.tall], self.z, self.wall);
     }
 
     /// Width of a bay, the share of it that is glass, and where glass begins and how tall it is, shares of a storey.
@@ -219,19 +228,61 @@ impl Face {
         if look.far(middle) > CLOSE {
             return;
         }
-        let frame = look.pick(2, &FRAMES);
-        frames(b, opening, inner + 0.03, frame, if self.made == Material::Panel { 2 } else { 1 });
+        frames(b, opening, inner + 0.03, look.pick(2, &FRAMES), self.bars());
         if self.made == Material::Panel {
             return;
         }
-        let stone = if self.made == Material::Brick { srgb(0xc7beac) } else { self.wall * 1.12 };
+        let stone = self.stone();
         b.of(Material::Plaster);
         let [x0, x1] = [x[0] - 0.1, x[1] + 0.1];
         b.cuboid(v(x0, y[0] - 0.1, self.z - 0.02), v(x1, y[0], self.z + 0.09), stone);
         b.cuboid(v(x0, y[1], self.z - 0.02), v(x1, y[1] + 0.18, self.z + 0.03), stone);
-        if self.made == Material::Plaster && look.unit(500 + number) < 0.22 {
-            balcony(b, opening, self.z);
+        if self.has_balcony(look, number) {
+            balcony(b, look, opening, self.z);
         }
+    }
+
+    /// A window, sill and lintel as they look from afar: sheets on the wall. What is in front comes first, and hides the rest.
+    #[allow(clippy::cast_precision_loss, reason = "a few bars")]
+    fn flat_window(&self, b: &mut Builder<'_>, look: &Look, opening: Opening) {
+        let Opening { x, y, number } = opening;
+        let at = |sheet: u8| self.z + 0.01 * f32::from(sheet);
+        if look.far(v(0.5 * (x[0] + x[1]), 0.0, self.z)) > CLOSE {
+            glazing(b, look, opening, at(1));
+            return;
+        }
+        if self.made != Material::Panel {
+            let [x0, x1] = [x[0] - 0.1, x[1] + 0.1];
+            b.of(Material::Plaster);
+            b.rect([x0, x1], [y[0] - 0.1, y[0]], at(2), self.stone());
+            b.rect([x0, x1], [y[1], y[1] + 0.18], at(2), self.stone());
+        }
+        if self.has_balcony(look, number) {
+            balcony(b, look, opening, self.z);
+        }
+        let frame = look.pick(2, &FRAMES);
+        let pane = Opening { x: [x[0] + FRAME, x[1] - FRAME], y: [y[0] + FRAME, y[1] - FRAME], number };
+        b.of(Material::Plain);
+        for bar in 1..=self.bars() {
+            let middle = x[0] + (x[1] - x[0]) * bar as f32 / (self.bars() + 1) as f32;
+            b.rect([middle - 0.5 * FRAME, middle + 0.5 * FRAME], pane.y, at(3), frame);
+        }
+        glazing(b, look, pane, at(2));
+        b.of(Material::Plain).rect(x, y, at(1), frame * 0.95);
+    }
+
+    /// Bars that part the panes of a window.
+    fn bars(&self) -> u32 {
+        if self.made == Material::Panel { 2 } else { 1 }
+    }
+
+    /// Colour of sills and lintels.
+    fn stone(&self) -> Vec3 {
+        if self.made == Material::Brick { srgb(0xc7beac) } else { self.wall * 1.12 }
+    }
+
+    fn has_balcony(&self, look: &Look, window: u32) -> bool {
+        self.made == Material::Plaster && look.unit(500 + window) < 0.22
     }
 }
 
@@ -252,16 +303,15 @@ fn glazing(b: &mut Builder<'_>, look: &Look, opening: Opening, z: f32) {
 /// A frame about an opening, and bars that part its panes.
 #[allow(clippy::cast_precision_loss, reason = "a few bars")]
 fn frames(b: &mut Builder<'_>, opening: Opening, z: f32, color: Vec3, bars: u32) {
-    const WIDTH: f32 = 0.06;
     let Opening { x: [x0, x1], y: [y0, y1], .. } = opening;
     b.of(Material::Plain);
-    b.rect([x0, x0 + WIDTH], [y0, y1], z, color);
-    b.rect([x1 - WIDTH, x1], [y0, y1], z, color);
-    b.rect([x0, x1], [y0, y0 + WIDTH], z + 0.002, color);
-    b.rect([x0, x1], [y1 - WIDTH, y1], z + 0.002, color * 0.8);
+    b.rect([x0, x0 + FRAME], [y0, y1], z, color);
+    b.rect([x1 - FRAME, x1], [y0, y1], z, color);
+    b.rect([x0, x1], [y0, y0 + FRAME], z + 0.002, color);
+    b.rect([x0, x1], [y1 - FRAME, y1], z + 0.002, color * 0.8);
     for bar in 1..=bars {
         let x = x0 + (x1 - x0) * bar as f32 / (bars + 1) as f32;
-        b.rect([x - 0.5 * WIDTH, x + 0.5 * WIDTH], [y0, y1], z, color);
+        b.rect([x - 0.5 * FRAME, x + 0.5 * FRAME], [y0, y1], z, color);
     }
     if bars == 1 {
         let y = y0 + 0.68 * (y1 - y0);
@@ -270,7 +320,7 @@ fn frames(b: &mut Builder<'_>, opening: Opening, z: f32, color: Vec3, bars: u32)
 }
 
 /// A slab with a railing before a window.
-fn balcony(b: &mut Builder<'_>, opening: Opening, z: f32) {
+fn balcony(b: &mut Builder<'_>, look: &Look, opening: Opening, z: f32) {
     const OUT: f32 = 0.7;
     let Opening { x, y, .. } = opening;
     let (x0, x1, floor) = (x[0] - 0.3, x[1] + 0.3, y[0] - 0.2);
@@ -278,6 +328,9 @@ fn balcony(b: &mut Builder<'_>, opening: Opening, z: f32) {
     b.of(Material::Plaster).cuboid(v(x0, floor - 0.16, z - 0.02), v(x1, floor, z + OUT), srgb(0xb5b0a4));
     b.of(Material::Plain);
     b.cuboid(v(x0, floor + 0.95, z + OUT - 0.06), v(x1, floor + 1.0, z + OUT - 0.01), iron);
+    if look.is_far {
+        return;
+    }
     let bars = count(x1 - x0, 0.16, 40);
     for bar in 0..=bars {
         #[allow(clippy::cast_precision_loss, reason = "a few bars")]

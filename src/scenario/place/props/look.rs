@@ -1,5 +1,6 @@
 //! How one prop is to look, and what its drawing counts with.
 
+use crate::scenario::file::{Prop, PropKind};
 use crate::scenario::place::mesh::srgb;
 use crate::scenario::random::{Purpose, index, unit};
 use glam::{Vec2, Vec3};
@@ -35,6 +36,8 @@ pub(crate) struct Look {
     /// Its number, which picks colours and shapes.
     pub(crate) id: u32,
     pub(crate) detail: Detail,
+    /// Whether it is drawn to be seen from afar: as it is, but without what is then no larger than a pixel or two.
+    pub(crate) is_far: bool,
     /// Where it is looked at from, in its own frame (x, z), m: what is far from there is left out.
     pub(crate) eye: Vec2,
     /// Which sides of a building are covered: +z, +x, -z, -x.
@@ -44,7 +47,16 @@ pub(crate) struct Look {
 impl Look {
     /// As low quality shows the nearest.
     pub(crate) const fn plain(id: u32) -> Self {
-        Self { id, detail: Detail::Full, eye: Vec2::ZERO, hidden: [false; 4] }
+        Self { id, detail: Detail::Full, is_far: false, eye: Vec2::ZERO, hidden: [false; 4] }
+    }
+
+    /// How it looks from afar, if that spares much: fine houses and cars.
+    pub(crate) fn from_afar(self, prop: &Prop) -> Option<Self> {
+        match prop.kind {
+            PropKind::Building if self.is_fine() => Some(Self { is_far: true, ..self }),
+            PropKind::Car if self.is_fine() => Some(Self { detail: Detail::Full, is_far: true, ..self }),
+            _ => None,
+        }
     }
 
     pub(super) fn is_fine(&self) -> bool {

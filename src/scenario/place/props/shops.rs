@@ -91,8 +91,13 @@ fn shop(b: &mut Builder<'_>, front: &Front, look: &Look, shop: Shop) {
     let (door, glass) =
         if is_left { ([x0, x0 + room], [x0 + room, x1]) } else { ([x1 - room, x1], [x0, x1 - room]) };
     let wood = [srgb(0x2f3b38), srgb(0x4a2f26), srgb(0x2b3140), srgb(0x5b5348)][look.index(shop.draw(2), 4)];
-    window(b, glass, [0.0, low], z, wood);
-    entrance(b, door, low, z, wood);
+    if look.is_far {
+        flat_window(b, glass, [0.0, low], z, wood);
+        flat_window(b, door, [0.0, low], z, wood);
+    } else {
+        window(b, glass, [0.0, low], z, wood);
+        entrance(b, door, low, z, wood);
+    }
     if look.far(v(0.5 * (x0 + x1), 0.0, z)) > NEAR {
         return;
     }
@@ -125,6 +130,16 @@ fn window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
         b.cuboid(v(at, plinth, inner), v(at + 0.07, y[1], inner + 0.08), wood);
     }
     b.cuboid(v(x[0], transom, inner), v(x[1], transom + 0.08, inner + 0.08), wood);
+}
+
+/// What a shop window or a door looks like from afar: a plinth, panes in a frame, a bar below the upper ones.
+fn flat_window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
+    let (plinth, transom) = (y[0] + 0.5, y[1] - 0.55);
+    let (dark, light) = (srgb(0x4c6674), srgb(0x7f9fae));
+    let pane = [x[0] + 0.07, x[1] - 0.07];
+    b.of(Material::LitPane).rect_shaded(pane, [plinth, transom], z - 0.03, [light, dark]);
+    b.rect_shaded(pane, [transom + 0.08, y[1]], z - 0.03, [dark, dark * 0.5]);
+    b.of(Material::Plain).rect(x, y, z - 0.04, wood);
 }
 
 /// A door set back between reveals, with a pane and a handle; another pane above it.

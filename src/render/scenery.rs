@@ -1,0 +1,158 @@
+//! What of an environment a view draws: near things as they are, far ones by fewer triangles.
+
+use super::camera::View;
+use super::parts::{self, Part};
+use crate::scenario::Distant;
+use glam::{Mat4, Vec3};
+
+/// Size of the smallest things that are left out from afar, m: windows are set back so far.
+const SMALLEST: f32 = 0.14;
+/// They are left out where they have fewer pixels than this.
+const PIXELS: f32 = 3.2;
+
+/// The parts of an environment.
+#[derive(Debug, Default)]
+pub(super) struct Scenery {
+    /// What is drawn at any distance.
+    always: Vec<Part>,
+    things: Vec<Thing>,
+}
+
+/// A thing that is drawn in one of two ways.
+#[derive(Debug)]
+struct Thing {
+    near: Vec<Part>,
+    far: Vec<Part>,
+    low: Vec3,
+    high: Vec3,
+}
+
+/// From where an environment is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight<'a> {
+    eyes: &'a [Vec3],
+    /// Pixels of a metre at a distance of 1 m; of a map, at any distance.
+    focal: f32,
+    is_map: bool,
+}
+
+impl<'a> Sight<'a> {
+    /// Of a view whose images have so many rows.
+    pub(super) fn of(view: &'a View, rows: u32) -> Self {
+        let eyes = &view.eyes[..view.eye_count.clamp(1, 2) as usize];
+        Self { eyes, focal: view.focal(rows), is_map: view.parallel }
+    }
+
+    /// Whether small parts of what lies within a box cannot be seen.
+    fn is_far(&self, low: Vec3, high: Vec3) -> bool {
+        let off = self.eyes.iter().map(|eye| eye.distance(eye.clamp(low, high)));
+        let distance = if self.is_map { 1.0 } else { off.fold(f32::INFINITY, f32::min) };
+        SMALLEST * self.focal < PIXELS * distance
+    }
+}
+
+impl Scenery {
+    /// Sorts triangles into parts: all indices in a new order, and the parts. `corner` is where a vertex is.
+    ///
+    /// None when a range of `distant` lies beyond its list, or begins before the one ahead of it ends.
+    pub(super) fn new(
+        corner: impl Fn(u32) -> Vec3,
+        indices: &[u32],
+        far_indices: &[u32],
+        distant: &[Distant],
+    ) -> Option<(Vec<u32>, Self)> {
+        let (mut sorted, mut scenery) = (Vec::new(), Self::default());
+        let add = |sorted: &mut Vec<u32>, indices: &[u32]| {
+            let first = u32::try_from(sorted.len()).unwrap_or(u32::MAX);
+            let (part, parts) = parts::split(&corner, indices);
+            sorted.extend(part);
+            parts.into_iter().map(|part| part.behind(first)).collect::<Vec<_>>()
+        };
+        let (mut always, mut done) = (Vec::new(), 0);
+        for thing in distant {
+            let (near, far) = (indices.get(thing.near.clone())?, far_indices.get(thing.far.clone())?);
+            always.extend(indices.get(done..thing.near.start)?);
+            done = thing.near.end;
+            let corners = || near.iter().chain(far).map(|index| corner(*index));
+            let (low, high) = (corners().fold(Vec3::MAX, Vec3::min), corners().fold(Vec3::MIN, Vec3::max));
+            let (near, far) = (add(&mut sorted, near), add(&mut sorted, far));
+            scenery.things.push(Thing { near, far, low, high });
+        }
+        always.extend(indices.get(done..)?);
+        scenery.always = add(&mut sorted, &always);
+        Some((sorted, scenery))
+    }
+
+    /// The ranges of indices that are drawn, first and count: what lies in the clip space of one of these matrices.
+    pub(super) fn seen(&self, clip_from_world: &[Mat4], sight: &Sight<'_>) -> Vec<(u32, u32)> {
+        let way = |thing: &'_ Thing| sight.is_far(thing.low, thing.high);
+        let things = self.things.iter().flat_map(|thing| if way(thing) { &thing.far } else { &thing.near });
+        parts::seen(things.chain(&self.always), clip_from_world)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Camera;
+    use glam::Vec2;
+
+    /// Two triangles beside each other at `z` and one that stands for the first, at the same place; and a third one.
+    fn three() -> (Vec<Vec3>, Vec<u32>, Vec<u32>, Vec<Distant>) {
+        let triangle =
+            |x: f32| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0), Vec3::new(x, 1.0, 0.0)];
+        let corners = [triangle(0.0), triangle(1.0), triangle(2.0), triangle(0.0)].concat();
+        (corners, (0..9).collect(), vec![9, 10, 11], vec![Distant { near: 3..6, far: 0..3 }])
+    }
+
+    fn drawn(sorted: &[u32], ranges: &[(u32, u32)]) -> Vec<u32> {
+        let mut drawn: Vec<u32> = ranges
+            .iter()
+            .flat_map(|(first, count)| sorted[*first as usize..(*first + *count) as usize].to_vec())
+            .collect();
+        drawn.sort_unstable();
+        drawn
+    }
+
+    #[test]
+    fn what_is_far_is_drawn_by_what_stands_for_it_and_nothing_twice() {
+        let (corners, indices, far, distant) = three();
+        let corner = |index: u32| corners[index as usize];
+        let (sorted, scenery) = Scenery::new(corner, &indices, &far, &distant).unwrap();
+        let seen = |view: &View, rows| {
+            drawn(&sorted, &scenery.seen(&view.clip_from_world[..1], &Sight::of(view, rows)))
+        };
+        let from = |distance: f32, rows: u32| {
+            let camera = Camera::user_eyes(Vec3::new(1.0, 0.5, -distance), 0.0, 0.0);
+            seen(&View::mono(&camera, rows, rows), rows)
+        };
+        let (near, far) = ((0..9).collect::<Vec<u32>>(), vec![0, 1, 2, 6, 7, 8, 9, 10, 11]);
+        // 772 pixels a metre at a metre: 14 cm are 3.2 pixels at 33.8 m
+        assert_eq!((from(33.7, 720), from(33.9, 720)), (near.clone(), far.clone()));
+        assert_eq!((from(16.8, 360), from(17.0, 360)), (near.clone(), far.clone()), "a smaller picture");
+        // a map of 20 m has 36 pixels a metre, one of 60 m 12
+        let map = |height| seen(&View::mono(&Camera::top(Vec2::new(1.0, 0.0), height), 720, 720), 720);
+        assert_eq!((map(20.0), map(60.0)), (near, far));
+    }
+
+    #[test]
+    fn the_nearer_of_two_eyes_says_how_far_a_thing_is() {
+        let eyes = [Vec3::ZERO, Vec3::X * 10.0];
+        let sight = |eyes| Sight { eyes, focal: 772.0, is_map: false };
+        let (low, high) = (Vec3::new(50.0, -1.0, -1.0), Vec3::new(60.0, 1.0, 1.0));
+        assert!(sight(&eyes[..1]).is_far(low, high) && !sight(&eyes).is_far(low, high));
+    }
+
+    #[test]
+    fn ranges_beyond_their_lists_are_refused() {
+        let (corners, indices, far, _) = three();
+        let corner = |index: u32| corners[index as usize];
+        for distant in [
+            vec![Distant { near: 3..12, far: 0..3 }],
+            vec![Distant { near: 3..6, far: 0..6 }],
+            vec![Distant { near: 3..6, far: 0..3 }, Distant { near: 0..3, far: 0..3 }],
+        ] {
+            assert!(Scenery::new(corner, &indices, &far, &distant).is_none(), "{distant:?}");
+        }
+    }
+}
