@@ -34,7 +34,7 @@ pub(super) fn light(
         stage.step(steps)?;
         Ok(stage)
     };
-    let mut stages = [stage(Low)?, stage(Medium)?, stage(High)?];
+    let mut stages = [Low, Medium, High].into_iter().map(stage).collect::<Result<Vec<_>, _>>()?;
     let (fewest, most, budget) = RUNS;
     let mut rows = Vec::new();
     for (camera, names) in ROWS {

@@ -115,7 +115,7 @@ impl Environment {
             let since = mesh.indices.len();
             mesh.append(&part);
             if let Some(look) =
-                detail.and_then(|detail| self.look(index, detail, focus).from_afar(&self.props[index]))
+                detail.and_then(|detail| self.look(index, detail, focus).seen_from_afar(&self.props[index]))
             {
                 part.clear();
                 props::draw(&mut part, &self.props[index], &look);

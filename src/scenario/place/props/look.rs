@@ -51,7 +51,7 @@ impl Look {
     }
 
     /// How it looks from afar, if that spares much: fine houses and cars.
-    pub(crate) fn from_afar(self, prop: &Prop) -> Option<Self> {
+    pub(crate) fn seen_from_afar(self, prop: &Prop) -> Option<Self> {
         match prop.kind {
             PropKind::Building if self.is_fine() => Some(Self { is_far: true, ..self }),
             PropKind::Car if self.is_fine() => Some(Self { detail: Detail::Full, is_far: true, ..self }),
