@@ -139,7 +139,7 @@ mod tests {
     fn the_nearer_of_two_eyes_says_how_far_a_thing_is() {
         let eyes = [Vec3::ZERO, Vec3::X * 10.0];
         let sight = |eyes| Sight { eyes, focal: 772.0, is_map: false };
-        let (low, high) = (Vec3::new(50.0, -1.0, -1.0), Vec3::new(60.0, 1.0, 1.0));
+        let (low, high) = (Vec3::new(40.0, -1.0, -1.0), Vec3::new(50.0, 1.0, 1.0));
         assert!(sight(&eyes[..1]).is_far(low, high) && !sight(&eyes).is_far(low, high));
     }
 

@@ -29,6 +29,8 @@ const FRAMES: [u32; 3] = [0xe4e1d8, 0x3a3f45, 0x54463a];
 const REVEAL: f32 = 0.14;
 /// Width of the frames and bars of windows, m.
 const FRAME: f32 = 0.06;
+/// Where the bar across a window is, as a share of its height.
+const TRANSOM: f32 = 0.68;
 /// Windows of a side are drawn one by one up to this distance, m; beyond, a storey's glass is one band.
 const NEAR: f32 = 120.0;
 /// Sills, bars and balconies up to this one, m.
@@ -267,6 +269,10 @@ impl Face {
             let middle = x[0] + (x[1] - x[0]) * bar as f32 / (self.bars() + 1) as f32;
             b.rect([middle - 0.5 * FRAME, middle + 0.5 * FRAME], pane.y, at(3), frame);
         }
+        if self.bars() == 1 {
+            let low = y[0] + TRANSOM * (y[1] - y[0]);
+            b.rect(pane.x, [low, low + 0.05], at(3), frame);
+        }
         glazing(b, look, pane, at(2));
         b.of(Material::Plain).rect(x, y, at(1), frame * 0.95);
     }
@@ -314,7 +320,7 @@ fn frames(b: &mut Builder<'_>, opening: Opening, z: f32, color: Vec3, bars: u32)
         b.rect([x - 0.5 * FRAME, x + 0.5 * FRAME], [y0, y1], z, color);
     }
     if bars == 1 {
-        let y = y0 + 0.68 * (y1 - y0);
+        let y = y0 + TRANSOM * (y1 - y0);
         b.rect([x0, x1], [y, y + 0.05], z, color);
     }
 }

@@ -50,13 +50,10 @@ impl Look {
         Self { id, detail: Detail::Full, is_far: false, eye: Vec2::ZERO, hidden: [false; 4] }
     }
 
-    /// How it looks from afar, if that spares much: fine houses and cars.
+    /// How a prop looks from afar, if that spares much: a fine house.
     pub(crate) fn seen_from_afar(self, prop: &Prop) -> Option<Self> {
-        match prop.kind {
-            PropKind::Building if self.is_fine() => Some(Self { is_far: true, ..self }),
-            PropKind::Car if self.is_fine() => Some(Self { detail: Detail::Full, is_far: true, ..self }),
-            _ => None,
-        }
+        let is_house = prop.kind == PropKind::Building;
+        (is_house && self.is_fine()).then_some(Self { is_far: true, ..self })
     }
 
     pub(super) fn is_fine(&self) -> bool {

@@ -21,6 +21,9 @@ const NEAR: f32 = 60.0;
 /// How far shop windows and doors are set back, m.
 const WINDOW_DEPTH: f32 = 0.18;
 const DOOR_DEPTH: f32 = 0.45;
+/// Width of a shop window's panes, and of the bars between them, m.
+const PANE: f32 = 1.7;
+const BAR: f32 = 0.07;
 /// How far an awning stands out, m, and how far it falls.
 const AWNING: [f32; 2] = [1.1, 0.5];
 /// Width of its stripes, m.
@@ -67,7 +70,9 @@ pub(super) fn ground_floor(b: &mut Builder<'_>, front: &Front, look: &Look, side
         let x = (number as f32 * pitch - 0.5 * front.wide)
             .clamp(0.25 - 0.5 * front.wide, 0.5 * front.wide - 0.25);
         b.cuboid(v(x - 0.25, 0.0, front.z - 0.2), v(x + 0.25, front.tall, front.z + 0.14), stone);
-        b.cuboid(v(x - 0.3, 0.0, front.z - 0.2), v(x + 0.3, 0.35, front.z + 0.19), stone * 0.85);
+        if !look.is_far {
+            b.cuboid(v(x - 0.3, 0.0, front.z - 0.2), v(x + 0.3, 0.35, front.z + 0.19), stone * 0.85);
+        }
     }
     let half = 0.5 * front.wide;
     b.cuboid(
@@ -106,10 +111,10 @@ fn shop(b: &mut Builder<'_>, front: &Front, look: &Look, shop: Shop) {
     b.of(Material::Plain);
     letters::write(b, name, middle, 0.4, 0.8 * (x1 - x0), srgb(0xf4f0e4));
     if look.unit(shop.draw(4)) < 0.6 && glass[1] - glass[0] > 1.0 {
-        awning(b, glass, low, z + 0.1, sign);
+        awning(b, look, glass, low, z + 0.1, sign);
     }
     if look.unit(shop.draw(5)) < 0.5 {
-        hanging_sign(b, if is_left { x1 - 0.2 } else { x0 + 0.2 }, front, sign);
+        hanging_sign(b, look, if is_left { x1 - 0.2 } else { x0 + 0.2 }, front, sign);
     }
 }
 
@@ -124,19 +129,26 @@ fn window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
     b.of(Material::LitPane).rect_shaded(x, [plinth, transom], inner, [light, dark]);
     b.rect_shaded(x, [transom, y[1]], inner, [dark, dark * 0.5]);
     b.of(Material::Plain);
-    let bars = count(x[1] - x[0], 1.7, 8);
+    let bars = count(x[1] - x[0], PANE, 8);
     for bar in 0..=bars {
-        let at = x[0] + (x[1] - x[0] - 0.07) * bar as f32 / bars as f32;
-        b.cuboid(v(at, plinth, inner), v(at + 0.07, y[1], inner + 0.08), wood);
+        let at = x[0] + (x[1] - x[0] - BAR) * bar as f32 / bars as f32;
+        b.cuboid(v(at, plinth, inner), v(at + BAR, y[1], inner + 0.08), wood);
     }
     b.cuboid(v(x[0], transom, inner), v(x[1], transom + 0.08, inner + 0.08), wood);
 }
 
-/// What a shop window or a door looks like from afar: a plinth, panes in a frame, a bar below the upper ones.
+/// What a shop window or a door looks like from afar: a plinth, panes between bars. What is in front comes first.
+#[allow(clippy::cast_precision_loss, reason = "a few bars")]
 fn flat_window(b: &mut Builder<'_>, x: [f32; 2], y: [f32; 2], z: f32, wood: Vec3) {
     let (plinth, transom) = (y[0] + 0.5, y[1] - 0.55);
     let (dark, light) = (srgb(0x4c6674), srgb(0x7f9fae));
-    let pane = [x[0] + 0.07, x[1] - 0.07];
+    let pane = [x[0] + BAR, x[1] - BAR];
+    let bars = count(x[1] - x[0], PANE, 8);
+    b.of(Material::Plain);
+    for bar in 1..bars {
+        let at = x[0] + (x[1] - x[0] - BAR) * bar as f32 / bars as f32;
+        b.rect([at, at + BAR], [plinth, y[1]], z - 0.02, wood);
+    }
     b.of(Material::LitPane).rect_shaded(pane, [plinth, transom], z - 0.03, [light, dark]);
     b.rect_shaded(pane, [transom + 0.08, y[1]], z - 0.03, [dark, dark * 0.5]);
     b.of(Material::Plain).rect(x, y, z - 0.04, wood);
@@ -159,7 +171,7 @@ fn entrance(b: &mut Builder<'_>, x: [f32; 2], top: f32, z: f32, wood: Vec3) {
 
 /// Striped cloth over a window.
 #[allow(clippy::cast_precision_loss, reason = "a few stripes")]
-fn awning(b: &mut Builder<'_>, x: [f32; 2], y: f32, z: f32, color: Vec3) {
+fn awning(b: &mut Builder<'_>, look: &Look, x: [f32; 2], y: f32, z: f32, color: Vec3) {
     let [out, fall] = AWNING;
     let (high, low, front) = (y + 0.02, y + 0.02 - fall, z + out);
     let stripes = count(x[1] - x[0], STRIPE, 60);
@@ -169,7 +181,11 @@ fn awning(b: &mut Builder<'_>, x: [f32; 2], y: f32, z: f32, color: Vec3) {
         let (from, to) = (at(i), at(i + 1));
         let cloth = if i % 2 == 0 { color } else { srgb(0xf0ebe0) };
         b.quad([v(from, low, front), v(to, low, front), v(to, high, z), v(from, high, z)], cloth);
-        // seen from below, without the sun; and the border that hangs down
+        // the border that hangs down; and what is seen from below, without the sun
+        b.rect([from, to], [low - 0.18, low], front, cloth * 0.9);
+        if look.is_far {
+            continue;
+        }
         b.quad(
             [
                 v(from, high - 0.01, z),
@@ -179,7 +195,6 @@ fn awning(b: &mut Builder<'_>, x: [f32; 2], y: f32, z: f32, color: Vec3) {
             ],
             cloth * 0.5,
         );
-        b.rect([from, to], [low - 0.18, low], front, cloth * 0.9);
     }
     for (edge, flip) in [(x[0], true), (x[1], false)] {
         let mut corners = [v(edge, high, z), v(edge, low, front), v(edge, low, z)];
@@ -194,15 +209,15 @@ fn awning(b: &mut Builder<'_>, x: [f32; 2], y: f32, z: f32, color: Vec3) {
 }
 
 /// A board across the pavement, on an arm.
-fn hanging_sign(b: &mut Builder<'_>, x: f32, front: &Front, color: Vec3) {
+fn hanging_sign(b: &mut Builder<'_>, look: &Look, x: f32, front: &Front, color: Vec3) {
     let (y, z) = (front.tall + 0.25, front.z + 0.2);
-    b.of(Material::Plain).cuboid(
-        v(x - 0.02, y + 0.72, z - 0.2),
-        v(x + 0.02, y + 0.76, z + 0.75),
-        srgb(0x26292c),
-    );
+    b.of(Material::Plain);
     b.cuboid(v(x - 0.03, y, z + 0.1), v(x + 0.03, y + 0.66, z + 0.7), color * 0.7);
     b.cuboid(v(x - 0.04, y + 0.15, z + 0.22), v(x + 0.04, y + 0.51, z + 0.58), srgb(0xf0ebe0));
+    if look.is_far {
+        return;
+    }
+    b.cuboid(v(x - 0.02, y + 0.72, z - 0.2), v(x + 0.02, y + 0.76, z + 0.75), srgb(0x26292c));
 }
 
 /// A store: a low house with a glass front and a sign, which faces +z.
