@@ -97,11 +97,11 @@ mod tests {
     use crate::render::Camera;
     use glam::Vec2;
 
-    /// Two triangles beside each other at `z` and one that stands for the first, at the same place; and a third one.
+    /// Three triangles side by side, and one that stands for the second.
     fn three() -> (Vec<Vec3>, Vec<u32>, Vec<u32>, Vec<Distant>) {
         let triangle =
             |x: f32| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0), Vec3::new(x, 1.0, 0.0)];
-        let corners = [triangle(0.0), triangle(1.0), triangle(2.0), triangle(0.0)].concat();
+        let corners = [triangle(0.0), triangle(1.0), triangle(2.0), triangle(1.0)].concat();
         (corners, (0..9).collect(), vec![9, 10, 11], vec![Distant { near: 3..6, far: 0..3 }])
     }
 

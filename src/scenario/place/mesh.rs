@@ -78,6 +78,8 @@ impl EnvironmentMesh {
         self.layers.clear();
         self.materials.clear();
         self.indices.clear();
+        self.far_indices.clear();
+        self.distant.clear();
     }
 
     pub(crate) fn append(&mut self, part: &Self) {
