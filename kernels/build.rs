@@ -20,12 +20,15 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::{Kernel, kernel};
+use wgsl_lanes::generate::kernels;
 
 const SHADERS: &str = "../shaders";
 
 /// Kernels whose twin is faster: it walks along rows of cells, or has next to nothing to compute.
 const TWIN_IS_FASTER: [&str; 6] = ["flow", "flow_density", "idle", "lead_agents", "queue", "unjam"];
+
+/// Arrays that a kernel fills before it reads them.
+const WRITTEN_FIRST: [&str; 1] = ["lines"];
 
 fn main() -> ExitCode {
     println!("cargo::rerun-if-changed={SHADERS}");
@@ -56,12 +59,7 @@ fn generate() -> Result<(), String> {
         }
         let source =
             Source::read(file, &Path::new(SHADERS).join("shared"), number).map_err(|e| e.to_string())?;
-        for (entry, written) in entries(&source, sets)? {
-            match written {
-                Ok(kernels) => write(&out, &entry, sets, &kernels, &mut modules, &mut table)?,
-                Err(why) => _ = writeln!(left, "    (\"{entry}\", {why:?}),"),
-            }
-        }
+        write(&out, &source, &name, sets, &mut Lists { modules: &mut modules, table: &mut table, left: &mut left })?;
     }
     let text = format!(
         "{modules}\n/// All phases that lanes run.\npub static KERNELS: &[Kernel] = &[\n{table}];\n\n\
@@ -70,45 +68,54 @@ fn generate() -> Result<(), String> {
     std::fs::write(out.join("kernels.rs"), text).map_err(|e| format!("{}: {e}", out.display()))
 }
 
-type Written = Result<Vec<Kernel>, String>;
+/// What the crate has of all files.
+struct Lists<'a> {
+    modules: &'a mut String,
+    /// Kernels.
+    table: &'a mut String,
+    /// Those that lanes do not run.
+    left: &'a mut String,
+}
 
-/// The entry points of a file: each in all sets, or why not.
-fn entries(source: &Source, sets: &[Isa]) -> Result<Vec<(String, Written)>, String> {
+/// Writes the entry points of a file in all sets.
+fn write(out: &Path, source: &Source, file: &str, sets: &[Isa], lists: &mut Lists<'_>) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(source.text()).map_err(|e| format!("{}: {e}", source.name))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES);
     let info = validator.validate(&module).map_err(|e| format!("{}: {e}", source.name))?;
-    let one = |(at, entry): (usize, &naga::EntryPoint)| {
-        let written: Result<Vec<Kernel>, _> =
-            sets.iter().map(|isa| kernel(&module, &info, at, *isa)).collect();
-        (entry.name.clone(), written.map_err(|e| e.to_string()))
-    };
-    Ok(module.entry_points.iter().enumerate().map(one).collect())
-}
-
-/// Writes one entry point in all sets.
-fn write(
-    out: &Path,
-    entry: &str,
-    sets: &[Isa],
-    kernels: &[Kernel],
-    modules: &mut String,
-    table: &mut String,
-) -> Result<(), String> {
-    let (mut inner, mut runs) = (String::new(), String::new());
-    for (isa, kernel) in sets.iter().zip(kernels) {
-        let (set, path) = (isa.name(), out.join(format!("{entry}.{}.rs", isa.name())));
-        std::fs::write(&path, &kernel.text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut all = Vec::new();
+    let mut inner = String::new();
+    for isa in sets {
+        let written = kernels(&module, &info, *isa, &WRITTEN_FIRST);
+        let (set, path) = (isa.name(), out.join(format!("{file}.{}.rs", isa.name())));
+        std::fs::write(&path, &written.text).map_err(|e| format!("{}: {e}", path.display()))?;
         let _ = writeln!(inner, "    pub mod {set} {{ include!({:?}); }}", path.display().to_string());
-        let _ = write!(runs, "(Isa::{isa:?}, {entry}::{set}::run as Run), ");
+        all = written.kernels; // alike in all sets
     }
-    let _ = write!(modules, "mod {entry} {{\n{inner}}}\n");
-    let names: String = kernels[0]
-        .bindings
-        .iter()
-        .map(|binding| {
-            format!("Binding {{ name: {:?}, is_written: {} }}, ", binding.name, binding.is_written)
-        })
-        .collect();
-    let _ = writeln!(table, "    Kernel {{ name: {entry:?}, bindings: &[{names}], runs: &[{runs}] }},");
+    let _ = write!(lists.modules, "mod {file} {{\n{inner}}}\n");
+    for (kernel, entry) in all.iter().zip(&module.entry_points) {
+        let kernel = match kernel {
+            Ok(kernel) => kernel,
+            Err(why) => {
+                let _ = writeln!(lists.left, "    ({:?}, {:?}),", entry.name, why.to_string());
+                continue;
+            }
+        };
+        let runs: String = sets
+            .iter()
+            .map(|isa| format!("(Isa::{isa:?}, {file}::{}::run_{} as Run), ", isa.name(), kernel.name))
+            .collect();
+        let names: String = kernel
+            .bindings
+            .iter()
+            .map(|binding| {
+                format!("Binding {{ name: {:?}, is_written: {} }}, ", binding.name, binding.is_written)
+            })
+            .collect();
+        let _ = writeln!(
+            lists.table,
+            "    Kernel {{ name: {:?}, bindings: &[{names}], runs: &[{runs}] }},",
+            kernel.name
+        );
+    }
     Ok(())
 }

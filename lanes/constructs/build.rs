@@ -6,7 +6,7 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::kernel;
+use wgsl_lanes::generate::kernels;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=wgsl");
@@ -18,16 +18,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let module = naga::front::wgsl::parse_str(&std::fs::read_to_string(&file)?)?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module)?;
-        let mut runs = String::new();
+        let mut runs = vec![String::new(); module.entry_points.len()];
         for isa in Isa::of(&architecture) {
             let set = isa.name();
-            let written = kernel(&module, &info, 0, *isa)?;
+            let written = kernels(&module, &info, *isa, &["kept"]);
             std::fs::write(out.join(format!("{name}.{set}.rs")), written.text)?;
             let path = Path::new(&out).join(format!("{name}.{set}.rs"));
             let _ = writeln!(all, "mod {name}_{set} {{ include!({:?}); }}", path.display().to_string());
-            let _ = write!(runs, "(Isa::{isa:?}, {name}_{set}::run as Run), ");
+            for (runs, kernel) in runs.iter_mut().zip(written.kernels) {
+                let _ = write!(runs, "(Isa::{isa:?}, {name}_{set}::run_{} as Run), ", kernel?.name);
+            }
         }
-        let _ = writeln!(all, "/// `wgsl/{name}.wgsl`\npub const {}: Runs = &[{runs}];", name.to_uppercase());
+        for (runs, entry) in runs.iter().zip(&module.entry_points) {
+            let entry = if entry.name == "main" { &name } else { &entry.name };
+            let _ = writeln!(
+                all,
+                "/// Of `wgsl/{name}.wgsl`.\npub const {}: Runs = &[{runs}];",
+                entry.to_uppercase()
+            );
+        }
     }
     std::fs::write(out.join("constructs.rs"), all)?;
     Ok(())

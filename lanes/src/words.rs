@@ -39,6 +39,11 @@ impl<'a> Words<'a> {
         Self::new(words.as_mut_ptr(), words.len())
     }
 
+    /// No words.
+    pub fn none() -> Self {
+        Self::new(std::ptr::null_mut(), 0)
+    }
+
     fn new(first: *mut u32, length: usize) -> Self {
         assert!(length <= i32::MAX as usize, "{length} words: a buffer has at most 2^31 - 1");
         let length = length as u32;

@@ -45,7 +45,7 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
         let along = dot2(to, wanted);
         // members of a group walk near one another on purpose
         let is_mate = (contents & GROUPS) != 0u && is_with(slot, found[k]);
-        if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 && !is_mate {
+        if (along > 0.0) & (distance2 > 1e-6) & (distance2 < reach2) & !is_mate {
             let theirs = preferred_velocity[slot_motion[found[k]].agent];
             let theirs2 = dot2(theirs, theirs);
             // an agent queues behind one that stands, and not behind one that comes the other way

@@ -7,6 +7,8 @@
 // in nine by nine cells, it searches ring by ring. So the neighbours are always the exact ones. The keys stay in registers: an
 // array with computed indices is slow memory on every device.
 //
+// Conditions are joined by & and |, which compute both: a branch costs more than a comparison where lanes go side by side.
+//
 // Needs the bindings step, slot_position, slot_motion, avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const PLACES: u32 = 255u;       // low bits of a key that number the candidates; the others are of the squared distance
 const MORE_PLACES: u32 = 4095u; // the same where there are more candidates
@@ -82,7 +84,7 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
         offer();
     }
     let complete = is_complete(safe_distance(at, centre, 2), range, PLACES);
-    if !fits || !complete || has_equals(PLACES) || same(k9, k10, PLACES) {
+    if !fits | !complete | has_equals(PLACES) | same(k9, k10, PLACES) {
         next_reach = select(select(3u, 2u, complete), 1u, !fits);
         return UNSURE;
     }
@@ -193,7 +195,7 @@ fn keys_found() -> u32 {
 
 // Whether no agent farther away than `safe`, where the cells end, can be nearer than one of the ten.
 fn is_complete(safe: f32, range: f32, places: u32) -> bool {
-    return safe >= range || (k9 & ~places) < (bitcast<u32>(safe * safe) & ~places);
+    return (safe >= range) | ((k9 & ~places) < (bitcast<u32>(safe * safe) & ~places));
 }
 
 // A run of candidates: places up to `end`, whose slots are `shift` higher.
@@ -209,7 +211,7 @@ fn run(centre: vec2<i32>, dy: i32, reach: i32, begin: u32) -> Run {
     let row = clamp(y, 0, i32(step.grid_rows) - 1) * columns;
     let first = cell_start[row + max(centre.x - reach, 0)];
     let end = cell_start[row + min(centre.x + reach, columns - 1) + 1];
-    let is_there = abs(dy) <= reach && y >= 0 && y < i32(step.grid_rows);
+    let is_there = (abs(dy) <= reach) & (y >= 0) & (y < i32(step.grid_rows));
     return Run(begin + select(0u, end - first, is_there), first - begin);
 }
 
@@ -282,9 +284,9 @@ fn keys_clear() {
 fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: f32, elevation: f32, places: u32) -> u32 {
     let to = slot_position[candidate] - at;
     let distance2 = dot2(to, to);
-    var wanted = place < last && candidate != slot && distance2 < range2;
+    var wanted = (place < last) & (candidate != slot) & (distance2 < range2);
     if (contents & STOREYS) != 0u {
-        wanted = wanted && same_storey(candidate, elevation);
+        wanted = wanted & same_storey(candidate, elevation);
     }
     return select(NO_KEY, (bitcast<u32>(distance2) & ~places) | place, wanted);
 }
@@ -320,13 +322,13 @@ fn same_storey(slot: u32, elevation: f32) -> bool {
 
 // Two keys whose order the low bits decided.
 fn same(nearer: u32, farther: u32, places: u32) -> bool {
-    return farther != NO_KEY && (nearer & ~places) == (farther & ~places);
+    return (farther != NO_KEY) & ((nearer & ~places) == (farther & ~places));
 }
 
 // Whether that holds for two of the ten nearest.
 fn has_equals(places: u32) -> bool {
-    return same(k0, k1, places) || same(k1, k2, places) || same(k2, k3, places) || same(k3, k4, places) || same(k4, k5, places)
-        || same(k5, k6, places) || same(k6, k7, places) || same(k7, k8, places) || same(k8, k9, places);
+    return same(k0, k1, places) | same(k1, k2, places) | same(k2, k3, places) | same(k3, k4, places) | same(k4, k5, places)
+        | same(k5, k6, places) | same(k6, k7, places) | same(k7, k8, places) | same(k8, k9, places);
 }
 
 fn slot_of(key: u32, ends: vec4<u32>, shift: vec4<u32>, last_shift: u32) -> u32 {

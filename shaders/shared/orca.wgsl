@@ -54,7 +54,7 @@ fn agent_line(velocity: vec2<f32>, relative_position: vec2<f32>, relative_veloci
     let scale = sign / distance2;
     let tangent = vec2<f32>(rp.x * leg - sign * rp.y * radius, sign * rp.x * radius + rp.y * leg) * scale;
     let on_leg = tangent * dot2(rv, tangent) - rv;
-    let circle = colliding || (d < 0.0 && d * d > radius2 * w2);
+    let circle = colliding | ((d < 0.0) & (d * d > radius2 * w2));
     let u = select(on_leg, on_circle, circle);
     return vec4<f32>(velocity + u * share, select(tangent, vec2<f32>(unit.y, -unit.x), circle));
 }
@@ -69,19 +69,18 @@ fn on_line(base: u32, number: u32, radius: f32, wanted: vec2<f32>, far: bool) ->
     let root = sqrt(max(discriminant, 0.0));
     var left = -d - root;
     var right = -d + root;
-    for (var i = 0u; i < number && possible; i++) {
+    // all lines, also where one of the first leaves nothing: a turn that need not know waits for none before it
+    for (var i = 0u; i < number; i++) {
         let other = lines[base + i];
         let denominator = det2(line.zw, other.zw);
         let numerator = det2(other.zw, line.xy - other.xy);
-        if abs(denominator) <= EPSILON {
-            possible = numerator >= 0.0;
-        } else {
-            let t = numerator / denominator;
-            right = select(right, min(right, t), denominator >= 0.0);
-            left = select(max(left, t), left, denominator >= 0.0);
-            possible = left <= right;
-        }
+        let is_parallel = abs(denominator) <= EPSILON;
+        possible = possible & (!is_parallel | (numerator >= 0.0));
+        let t = numerator / denominator;
+        right = select(right, min(right, t), !is_parallel & (denominator >= 0.0));
+        left = select(left, max(left, t), !is_parallel & (denominator < 0.0));
     }
+    possible = possible & (left <= right);
     let direct = clamp(dot2(line.zw, wanted - line.xy), left, max(left, right));
     let t = select(direct, select(left, right, dot2(wanted, line.zw) > 0.0), far);
     return select(vec4<f32>(0.0), vec4<f32>(line.xy + line.zw * t, 1.0, 0.0), possible);

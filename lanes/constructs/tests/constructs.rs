@@ -10,7 +10,9 @@
 )]
 
 use wgsl_lanes::Isa;
-use wgsl_lanes_constructs::{ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
+use wgsl_lanes_constructs::{
+    ALIKE, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, NOT_CLEARED, Runs, run,
+};
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
 const COUNTS: [u32; 6] = [0, 1, 7, 16, 37, 256];
@@ -466,5 +468,67 @@ fn counters_of_loops_are_those_of_each_lane() {
         let want: Vec<u32> =
             given.iter().take(count as usize).flat_map(|own| counters(*own, &given, first)).collect();
         expect(COUNTERS, &[given, vec![0; 8 * count as usize]], first, count, 1, &want);
+    }
+}
+
+/// `fold` of `wgsl/alike.wgsl`.
+fn fold(value: u32, most: u32, flags: u32) -> u32 {
+    let mut sum = value;
+    for i in 0..8 {
+        if flags & 1 != 0 {
+            if i == 3 {
+                continue;
+            }
+            sum = sum.wrapping_mul(3).wrapping_add(i);
+        }
+        if (flags as i32) < 0 && value > 5 {
+            return sum.wrapping_add(100);
+        }
+        if flags <= 6 {
+            sum ^= 5;
+        } else {
+            sum = sum.wrapping_add(value % (i + 1));
+            if i >= 4 && flags != 9 {
+                break;
+            }
+        }
+        if i == most {
+            return sum.wrapping_add(1000);
+        }
+        if flags & 7 >= 4 {
+            sum = sum.wrapping_add(7);
+        } else if i <= 2 {
+            sum = sum.wrapping_add(value & 1);
+        }
+    }
+    sum
+}
+
+/// Immediates that take every branch of `fold`.
+const FLAGS: [u32; 8] = [0, 1, 4, 6, 7, 9, 40, 0x8000_0003];
+
+#[test]
+fn what_all_lanes_have_alike_is_one_branch() {
+    for flags in FLAGS {
+        for count in COUNTS {
+            let given = draws(count as usize);
+            let want: Vec<u32> = given.iter().map(|value| fold(*value, 6, flags)).collect();
+            expect(ALIKE, &[given, vec![0; want.len()]], flags, count, 1, &want);
+        }
+    }
+}
+
+#[test]
+fn an_array_that_is_written_first_is_not_cleared() {
+    for flags in FLAGS {
+        for count in COUNTS {
+            let given = draws(count as usize);
+            let of = |(number, value): (u32, &u32)| {
+                let add = |sum: u32, i| sum.wrapping_mul(7).wrapping_add(fold(i + number, flags, flags));
+                (0..value % 5).fold(0, add)
+            };
+            let want: Vec<u32> = (0..).zip(&given).map(of).collect();
+            expect(NOT_CLEARED, &[given, vec![0; want.len()]], flags, count, 1, &want);
+        }
     }
 }

@@ -3,7 +3,16 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::kernel;
+use wgsl_lanes::generate::{Kernel, Unsupported, Written, kernels};
+
+/// The only entry point, and the text.
+fn first(text: &str, capabilities: Capabilities) -> (Result<Kernel, Unsupported>, String) {
+    let module =
+        naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).unwrap();
+    let Written { text, mut kernels } = kernels(&module, &info, Isa::Portable, &[]);
+    (kernels.remove(0), text)
+}
 
 /// Why a shader whose entry point has this body is refused.
 fn refusal(globals: &str, body: &str) -> String {
@@ -11,12 +20,9 @@ fn refusal(globals: &str, body: &str) -> String {
         "@group(0) @binding(0) var<storage, read_write> data: array<u32>;\n{globals}\n\
          @compute @workgroup_size(64)\nfn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n{body}\n}}\n"
     );
-    let module =
-        naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module).unwrap();
-    match kernel(&module, &info, 0, Isa::Portable) {
-        Err(error) => error.to_string(),
-        Ok(kernel) => panic!("this was written:\n{}", kernel.text),
+    match first(&text, Capabilities::IMMEDIATES) {
+        (Err(error), _) => error.to_string(),
+        (Ok(_), text) => panic!("this was written:\n{text}"),
     }
 }
 
@@ -61,8 +67,28 @@ fn what_lanes_cannot_do_is_refused_by_name() {
 fn other_inputs_than_the_number_of_the_invocation_are_refused() {
     let text = "@group(0) @binding(0) var<storage, read_write> data: array<u32>;\n\
                 @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) lane: u32) { data[lane] = 1u; }";
+    let error = first(text, Capabilities::empty()).0.unwrap_err().to_string();
+    assert_eq!(error, "main: another input than one global_invocation_id cannot be done by lanes");
+}
+
+#[test]
+fn what_is_refused_leaves_the_others_as_they_are() {
+    let text = "@group(0) @binding(0) var<storage, read_write> data: array<u32>;\n\
+                var<workgroup> sums: array<u32, 64>;\n\
+                fn twice(x: u32) -> u32 { return 2u * x; }\n\
+                fn deep(x: u32) -> u32 { return twice(u32(sin(f32(x)))); }\n\
+                @compute @workgroup_size(64) fn refused(@builtin(global_invocation_id) id: vec3<u32>) { data[id.x] = deep(id.x); }\n\
+                @compute @workgroup_size(64) fn shares(@builtin(global_invocation_id) id: vec3<u32>) { sums[0] = 1u; data[id.x] = sums[0]; }\n\
+                @compute @workgroup_size(64) fn written(@builtin(global_invocation_id) id: vec3<u32>) { data[id.x] = twice(id.x); }";
     let module = naga::front::wgsl::parse_str(text).unwrap();
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap();
-    let error = kernel(&module, &info, 0, Isa::Portable).unwrap_err().to_string();
-    assert_eq!(error, "main: another input than one global_invocation_id cannot be done by lanes");
+    let Written { text, kernels } = kernels(&module, &info, Isa::Portable, &[]);
+    let names: Vec<String> = kernels
+        .iter()
+        .map(|kernel| kernel.as_ref().map_or_else(|e| e.function.clone(), |k| k.name.clone()))
+        .collect();
+    assert_eq!(names, ["deep", "shares", "written"]);
+    assert_eq!(kernels.iter().filter(|kernel| kernel.is_ok()).count(), 1);
+    assert_eq!(text.matches("fn f_twice(").count(), 1);
+    assert!(!text.contains("f_deep") && !text.contains("run_refused"), "{text}");
 }

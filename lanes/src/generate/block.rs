@@ -53,17 +53,7 @@ impl<'m> Writer<'m> {
                 return Ok(leaves(block));
             }
             Statement::If { condition, accept, reject } => {
-                let condition = self.value(f, *condition)?;
-                let number = f.name();
-                for (block, name, how) in [(accept, "yes", "and"), (reject, "no", "andnot")] {
-                    if block.is_empty() {
-                        continue;
-                    }
-                    let own = format!("{name}{number}");
-                    let _ = writeln!(f.text, "let mut {own} = {mask}.{how}({condition}); if {own}.any() {{");
-                    self.inner_block(f, block, &own)?;
-                    f.text.push_str("}\n");
-                }
+                self.choose(f, *condition, [accept, reject], mask)?;
                 return Ok(leaves(accept) || leaves(reject));
             }
             Statement::Loop { body, continuing, break_if } => {
@@ -128,6 +118,37 @@ impl<'m> Writer<'m> {
             _ => return Err("a texture, a subgroup, a ray, or what draws,".to_owned()),
         }
         Ok(false)
+    }
+
+    /// An `if`: each side for its lanes. Where the condition is the same in all lanes, all go one way, by a branch of the processor.
+    fn choose(
+        &mut self,
+        f: &mut Function<'m>,
+        condition: Handle<Expression>,
+        [accept, reject]: [&'m Block; 2],
+        mask: &str,
+    ) -> Result<(), String> {
+        let number = f.name();
+        let is_same = f.same.has(condition);
+        if is_same {
+            let text = self.truth(f, condition)?;
+            let _ = writeln!(f.text, "let same{number} = {text};");
+        }
+        let value = self.value(f, condition)?;
+        for (block, name, how, not) in [(accept, "yes", "and", ""), (reject, "no", "andnot", "!")] {
+            if block.is_empty() {
+                continue;
+            }
+            let own = format!("{name}{number}");
+            let _ = if is_same {
+                writeln!(f.text, "let mut {own} = {mask}; if {not}same{number} {{")
+            } else {
+                writeln!(f.text, "let mut {own} = {mask}.{how}({value}); if {own}.any() {{")
+            };
+            self.inner_block(f, block, &own)?;
+            f.text.push_str("}\n");
+        }
+        Ok(())
     }
 
     /// A loop: `in` are the lanes that go round, `turn` those that are in this turn.

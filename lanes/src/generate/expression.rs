@@ -176,6 +176,39 @@ impl<'m> Writer<'m> {
         Ok(shape.each(&values, |parts| format!("{}.{method}({}){end}", parts[0], parts[1])))
     }
 
+    /// The truth of a condition that is the same in all lanes, as a `bool`: of numbers without a detour by vectors.
+    pub(super) fn truth(
+        &mut self,
+        f: &Function<'m>,
+        condition: Handle<Expression>,
+    ) -> Result<String, String> {
+        use BinaryOperator as Op;
+        if let Expression::Unary { op: UnaryOperator::LogicalNot, expr } = f.body.expressions[condition] {
+            return Ok(format!("!({})", self.truth(f, expr)?));
+        }
+        if let Expression::Binary { op, left, right } = f.body.expressions[condition]
+            && let number = match self.shape(f, left)? {
+                Shape { kind: Kind::Unsigned, size: None } => Some(""),
+                Shape { kind: Kind::Signed, size: None } => Some(" as i32"),
+                _ => None,
+            }
+            && let Some(cast) = number
+            && let Some(operator) = match op {
+                Op::Equal => Some("=="),
+                Op::NotEqual => Some("!="),
+                Op::Less => Some("<"),
+                Op::LessEqual => Some("<="),
+                Op::Greater => Some(">"),
+                Op::GreaterEqual => Some(">="),
+                _ => None,
+            }
+        {
+            let (a, b) = (self.value(f, left)?, self.value(f, right)?);
+            return Ok(format!("({a}.lane(){cast}) {operator} ({b}.lane(){cast})"));
+        }
+        Ok(format!("{}.any()", self.value(f, condition)?))
+    }
+
     fn math(
         &mut self,
         f: &Function<'m>,

@@ -45,44 +45,59 @@ pub struct Binding {
     pub is_written: bool,
 }
 
-/// The text of one entry point.
-#[derive(Debug, Clone)]
+/// An entry point in the text.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kernel {
-    /// The buffers, in the order in which [`Self::text`]'s `run` takes them.
+    /// Its name. Its function is `run_` and this.
+    pub name: String,
+    /// The buffers, in the order in which the function takes them.
     pub bindings: Vec<Binding>,
-    /// Rust: the body of a module with a function `run`.
-    pub text: String,
 }
 
-/// Writes an entry point for a set of instructions. The text is the body of a module, which needs the crate `wgsl_lanes`;
-/// its function
+/// The text of all entry points of a module.
+#[derive(Debug, Clone)]
+pub struct Written {
+    /// Rust: the body of a module.
+    pub text: String,
+    /// The entry points in the order of the shader, or why one is not in the text.
+    pub kernels: Vec<Result<Kernel, Unsupported>>,
+}
+
+/// Writes the entry points of a module for a set of instructions, and once each function that they call. The text is the body of a
+/// module, which needs the crate `wgsl_lanes`; its functions
 ///
 /// ```text
-/// pub unsafe fn run(buffers: &[Words], immediate: u32, row: u32, invocations: Range<u32>)
+/// pub unsafe fn run_NAME(buffers: &[Words], immediate: u32, row: u32, invocations: Range<u32>)
 /// ```
 ///
-/// runs the invocations of a row, `global_invocation_id.y`, whose `global_invocation_id.x` is in a range. The immediate is the module's `var<immediate>` of one word.
+/// run the invocations of a row, `global_invocation_id.y`, whose `global_invocation_id.x` is in a range. The immediate is the
+/// module's `var<immediate>` of one word.
 ///
-/// # Errors
-/// What the entry point uses and lanes cannot do: barriers, memory of a workgroup, textures, other invocation inputs.
-pub fn kernel(module: &Module, info: &ModuleInfo, entry: usize, isa: Isa) -> Result<Kernel, Unsupported> {
+/// `written_first` names private variables of which no invocation reads what it has not written. They are not made zero for each
+/// invocation, which takes time where they are large arrays: an invocation finds in them what another has left.
+///
+/// An entry point that lanes cannot run is not in the text: one with barriers, memory of a workgroup, textures, other invocation inputs.
+pub fn kernels(module: &Module, info: &ModuleInfo, isa: Isa, written_first: &[&str]) -> Written {
     let mut writer = Writer {
         module,
         info,
         isa,
+        written_first,
         text: String::new(),
         structs: BTreeMap::new(),
         wanted: VecDeque::new(),
         known: BTreeSet::new(),
     };
-    writer.entry(entry)
+    let kernels = (0..module.entry_points.len()).map(|entry| writer.attempt(entry)).collect();
+    Written { text: writer.whole(), kernels }
 }
 
-/// Writes the functions of one entry point.
+/// Writes the functions of a module's entry points.
 struct Writer<'m> {
     module: &'m Module,
     info: &'m ModuleInfo,
     isa: Isa,
+    written_first: &'m [&'m str],
     text: String,
     /// Structs that functions use, by their text.
     structs: BTreeMap<Handle<Type>, String>,
@@ -93,34 +108,74 @@ struct Writer<'m> {
 }
 
 impl Writer<'_> {
+    /// Writes an entry point, or nothing.
+    fn attempt(&mut self, index: usize) -> Result<Kernel, Unsupported> {
+        let (length, known) = (self.text.len(), self.known.clone());
+        let done = self.entry(index);
+        if done.is_err() {
+            self.text.truncate(length);
+            self.known = known;
+            self.wanted.clear();
+        }
+        done
+    }
+
+    /// The variables that entry points use.
+    fn used(&self) -> impl Iterator<Item = (Handle<GlobalVariable>, &GlobalVariable)> {
+        let entries = 0..self.module.entry_points.len();
+        self.module.global_variables.iter().filter(move |(handle, _)| {
+            entries.clone().any(|entry| !self.info.get_entry_point(entry)[*handle].is_empty())
+        })
+    }
+
+    /// What all entry points share, and what they do.
+    fn whole(&self) -> String {
+        let mut fields = String::new();
+        for (handle, variable) in self.used() {
+            let ty = match variable.space {
+                AddressSpace::Uniform | AddressSpace::Storage { .. } => "Words<'a>",
+                AddressSpace::Immediate => "u32",
+                _ => continue,
+            };
+            let _ = writeln!(fields, "    {}: {ty},", self.global(handle));
+        }
+        let structs: String = self.structs.values().map(String::as_str).collect();
+        format!(
+            "use wgsl_lanes::Words;\nuse wgsl_lanes::vector::{}::*;\n\n{structs}\
+             /// The buffers, and the immediate.\nstruct Cx<'a> {{\n{fields}    buffers: std::marker::PhantomData<Words<'a>>,\n}}\n{}",
+            self.isa.name(),
+            self.text
+        )
+    }
+
     fn entry(&mut self, index: usize) -> Result<Kernel, Unsupported> {
         let entry = &self.module.entry_points[index];
         let info = self.info.get_entry_point(index);
-        let is_used = |(handle, _): &(Handle<GlobalVariable>, &GlobalVariable)| !info[*handle].is_empty();
         let unsupported = |what: String| Unsupported { what, function: entry.name.clone() };
 
-        let (mut fields, mut set, mut bindings) = (String::new(), String::new(), Vec::new());
-        for (handle, variable) in self.module.global_variables.iter().filter(is_used) {
-            let name = self.global(handle);
+        let (mut set, mut bindings) = (String::new(), Vec::new());
+        for (handle, variable) in self.used() {
+            let (name, is_used) = (self.global(handle), !info[handle].is_empty());
             match variable.space {
-                AddressSpace::Uniform | AddressSpace::Storage { .. } => {
-                    let place = bindings.len();
-                    let _ = writeln!(fields, "    {name}: Words<'a>,");
-                    let _ = write!(set, "{name}: buffers[{place}], ");
+                AddressSpace::Uniform | AddressSpace::Storage { .. } if is_used => {
+                    let _ = write!(set, "{name}: buffers[{}], ", bindings.len());
                     let is_written = info[handle].contains(naga::valid::GlobalUse::WRITE);
                     bindings.push(Binding { name: variable.name.clone().unwrap_or_default(), is_written });
                 }
-                AddressSpace::Immediate => {
-                    let _ = writeln!(fields, "    {name}: u32,");
-                    let _ = write!(set, "{name}: immediate, ");
+                AddressSpace::Uniform | AddressSpace::Storage { .. } => {
+                    let _ = write!(set, "{name}: Words::none(), ");
                 }
+                AddressSpace::Immediate => _ = write!(set, "{name}: immediate, "),
                 AddressSpace::Private => {}
-                space => return Err(unsupported(format!("a variable of {space:?}"))),
+                space if is_used => return Err(unsupported(format!("a variable of {space:?}"))),
+                _ => {}
             }
         }
         let id = self.invocation(entry).map_err(unsupported)?;
         let attribute = self.attribute();
-        let (mut privates, mut passed) = (String::new(), String::new());
+        // variables of an invocation: made for each, or kept from one to the next
+        let (mut made, mut kept) = (String::new(), String::new());
+        let (mut passed, mut taken, mut given) = (String::new(), String::new(), String::new());
         for handle in self.privates(info, &[]) {
             let variable = &self.module.global_variables[handle];
             let (name, ty) = (self.global(handle), self.rust(variable.ty).map_err(unsupported)?);
@@ -128,33 +183,33 @@ impl Writer<'_> {
                 Some(init) => self.constant(init).map_err(unsupported)?,
                 None => self.zero(variable.ty).map_err(unsupported)?,
             };
-            let _ = writeln!(
-                privates,
-                "    let mut own_{name}: {ty} = {value};\n    let {name} = &mut own_{name};"
-            );
+            let begin = format!("    let mut own_{name}: {ty} = {value};\n");
             let _ = write!(passed, "{name}, ");
+            if variable.name.as_deref().is_some_and(|name| self.written_first.contains(&name)) {
+                kept.push_str(&begin);
+                let _ = write!(given, "&mut own_{name}, ");
+                let _ = write!(taken, "{name}: &mut {ty}, ");
+            } else {
+                let _ = write!(made, "{begin}    let {name} = &mut own_{name};\n");
+            }
         }
+        let name = &entry.name;
         let _ = write!(
             self.text,
-            "/// The buffers, and the immediate.\nstruct Cx<'a> {{\n{fields}    buffers: std::marker::PhantomData<Words<'a>>,\n}}\n\n\
-             /// # Safety\n/// The machine has the instructions, and no two invocations that run at the same time use the same word\n\
+            "\n/// # Safety\n/// The machine has the instructions, and no two invocations that run at the same time use the same word\n\
              /// otherwise than by atomic operations, unless both only read it.\n\
-             {attribute}pub unsafe fn run(buffers: &[Words<'_>], immediate: u32, row: u32, invocations: std::ops::Range<u32>) {{\n    \
-             let _ = (buffers, immediate);\n    let cx = &Cx {{ {set}buffers: std::marker::PhantomData }};\n    let mut at = invocations.start;\n    \
-             while at < invocations.end {{\n        let mask = first_lanes(invocations.end - at);\n        one(cx, mask, at, row);\n        \
+             {attribute}pub unsafe fn run_{name}(buffers: &[Words<'_>], immediate: u32, row: u32, invocations: std::ops::Range<u32>) {{\n    \
+             let _ = (buffers, immediate);\n    let cx = &Cx {{ {set}buffers: std::marker::PhantomData }};\n{kept}    let mut at = invocations.start;\n    \
+             while at < invocations.end {{\n        let mask = first_lanes(invocations.end - at);\n        one_{name}(cx, {given}mask, at, row);\n        \
              at = at.saturating_add(LANES as u32);\n    }}\n}}\n\n\
-             /// As many invocations as there are lanes.\n{attribute}fn one(cx: &Cx<'_>, mask: M, first: u32, row: u32) {{\n{privates}    \
+             /// As many invocations as there are lanes.\n{attribute}fn one_{name}(cx: &Cx<'_>, {taken}mask: M, first: u32, row: u32) {{\n{made}    \
              f_{name}(cx, {passed}mask{id});\n}}\n",
-            name = entry.name,
         );
         self.function(&Variant::entry(index))?;
         while let Some(variant) = self.wanted.pop_front() {
             self.function(&variant)?;
         }
-        let head = "use wgsl_lanes::Words;\nuse wgsl_lanes::vector::";
-        let structs: String = self.structs.values().map(String::as_str).collect();
-        let text = format!("{head}{}::*;\n\n{structs}{}", self.isa.name(), self.text);
-        Ok(Kernel { bindings, text })
+        Ok(Kernel { name: name.clone(), bindings })
     }
 
     /// The argument that holds the number of the invocation, if the entry point takes it.
