@@ -58,11 +58,11 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let range2 = range * range;
     let elevation = slot_motion[slot].elevation;
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-    let run0 = run(centre, -2, 2, 0u);
-    let run1 = run(centre, -1, 2, run0.end);
-    let run2 = run(centre, 0, 2, run1.end);
-    let run3 = run(centre, 1, 2, run2.end);
-    let run4 = run(centre, 2, 2, run3.end);
+    let run0 = in_twos(run(centre, -2, 2, 0u));
+    let run1 = in_twos(run(centre, -1, 2, run0.end));
+    let run2 = in_twos(run(centre, 0, 2, run1.end));
+    let run3 = in_twos(run(centre, 1, 2, run2.end));
+    let run4 = in_twos(run(centre, 2, 2, run3.end));
     if (contents & STOREYS) != 0u && run4.end < FEW {
         // people above one another share the cells, so that too few of them are on the own storey
         let before = run1.shift + run0.end;
@@ -76,11 +76,15 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let shift = vec4<u32>(run0.shift, run1.shift, run2.shift, run3.shift);
     keys_clear();
     let last = select(0u, run4.end, fits);
+    let all = cell_start[step.cell_count];
     for (var place = 0u; place < last; place += 4u) {
-        c0 = key(place, last, slot_of(place, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
-        c1 = key(place + 1u, last, slot_of(place + 1u, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
-        c2 = key(place + 2u, last, slot_of(place + 2u, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
-        c3 = key(place + 3u, last, slot_of(place + 3u, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
+        let low = slot_of(place, ends, shift, run4.shift);
+        let high = slot_of(place + 2u, ends, shift, run4.shift);
+        let keys = four_keys(place, last, low, high, slot, at, range2, elevation, all);
+        c0 = keys.x;
+        c1 = keys.y;
+        c2 = keys.z;
+        c3 = keys.w;
         offer();
     }
     let complete = is_complete(safe_distance(at, centre, 2), range, PLACES);
@@ -215,6 +219,13 @@ fn run(centre: vec2<i32>, dy: i32, reach: i32, begin: u32) -> Run {
     return Run(begin + select(0u, end - first, is_there), first - begin);
 }
 
+// The same with an even number of places, so that two candidates at an even place lie one behind the other. Where one is too many,
+// it is the agent behind the run. It stands outside of the square, and so does no harm, or in a run as well: where a row of the
+// grid ends. Then its two keys agree, and it is looked for again.
+fn in_twos(run: Run) -> Run {
+    return Run(run.end + (run.end & 1u), run.shift);
+}
+
 // The rows of a square of up to nine by nine cells.
 struct Runs {
     low_ends: vec4<u32>,
@@ -289,6 +300,32 @@ fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: 
         wanted = wanted & same_storey(candidate, elevation);
     }
     return select(NO_KEY, (bitcast<u32>(distance2) & ~places) | place, wanted);
+}
+
+// The keys of two candidates from an even place on, of which the first is `low`, and of the next two, which begin with `high`. `all`
+// slots are taken.
+fn four_keys(place: u32, last: u32, low: u32, high: u32, slot: u32, at: vec2<f32>, range2: f32, elevation: f32, all: u32) -> vec4<u32> {
+    let p0 = slot_position[low];
+    let p1 = slot_position[low + 1u];
+    let p2 = slot_position[high];
+    let p3 = slot_position[high + 1u];
+    let x = vec4<f32>(p0.x, p1.x, p2.x, p3.x) - at.x;
+    let y = vec4<f32>(p0.y, p1.y, p2.y, p3.y) - at.y;
+    let distance2 = x * x + y * y;
+    let candidates = vec4<u32>(low, low + 1u, high, high + 1u);
+    var wanted = (candidates != vec4<u32>(slot)) & (candidates < vec4<u32>(all)) & (distance2 < vec4<f32>(range2));
+    wanted &= place + vec4<u32>(0u, 0u, 2u, 2u) < vec4<u32>(last);
+    if (contents & STOREYS) != 0u {
+        let others = min(candidates, vec4<u32>(all - 1u));
+        wanted &= vec4<bool>(
+            same_storey(others.x, elevation),
+            same_storey(others.y, elevation),
+            same_storey(others.z, elevation),
+            same_storey(others.w, elevation),
+        );
+    }
+    let places = place + vec4<u32>(0u, 1u, 2u, 3u);
+    return select(vec4<u32>(NO_KEY), (bitcast<vec4<u32>>(distance2) & vec4<u32>(~PLACES)) | places, wanted);
 }
 
 // Puts two keys in order.

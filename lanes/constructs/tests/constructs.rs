@@ -11,7 +11,7 @@
 
 use wgsl_lanes::Isa;
 use wgsl_lanes_constructs::{
-    ALIKE, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, NOT_CLEARED, Runs, run,
+    ALIKE, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, NOT_CLEARED, Runs, SIDE_BY_SIDE, run,
 };
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
@@ -530,5 +530,22 @@ fn an_array_that_is_written_first_is_not_cleared() {
             let want: Vec<u32> = (0..).zip(&given).map(of).collect();
             expect(NOT_CLEARED, &[given, vec![0; want.len()]], flags, count, 1, &want);
         }
+    }
+}
+
+#[test]
+fn elements_side_by_side_are_those_of_two_reads() {
+    for (count, length) in [(1, 1), (7, 1), (16, 2), (37, 3), (256, 40)] {
+        let (given, pairs) = (draws(count), draws(2 * length));
+        let pair = |at: usize| [0, 1].map(|part| pairs[2 * at.min(length - 1) + part]);
+        let of = |value: &u32| {
+            let at = *value as usize % length;
+            let ([a, b], [c, d]) = (pair(at), pair(at + 1));
+            let [e, f] = [at, at + 1].map(|at| given[at.min(count - 1)]);
+            let parts = [(a, 3), (b, 5), (c, 7), (d, 11), (e, 13), (f, 17)];
+            parts.iter().fold(0u32, |sum, (word, by)| sum.wrapping_add(word.wrapping_mul(*by)))
+        };
+        let want: Vec<u32> = given.iter().map(of).collect();
+        expect(SIDE_BY_SIDE, &[given, vec![0; count], pairs], 0, count as u32, 1, &want);
     }
 }

@@ -1,7 +1,9 @@
-// Conditions that are the same in all lanes, a function of two entry points, and an array that is not cleared.
+// Conditions that are the same in all lanes, a function of two entry points, an array that is not cleared, and elements that lie
+// one behind the other.
 @group(0) @binding(0) var<storage, read> given: array<u32>;
 @group(0) @binding(1) var<storage, read_write> made: array<u32>;
 @group(0) @binding(2) var<storage, read_write> sums: array<u32>;
+@group(0) @binding(3) var<storage, read> pairs: array<vec2<u32>>;
 var<immediate> flags: u32;
 
 var<private> kept: array<u32, 4>;
@@ -54,4 +56,15 @@ fn not_cleared(@builtin(global_invocation_id) id: vec3<u32>) {
         sum = sum * 7u + kept[i];
     }
     sums[id.x] = sum;
+}
+
+@compute @workgroup_size(64)
+fn side_by_side(@builtin(global_invocation_id) id: vec3<u32>) {
+    let at = given[id.x] % arrayLength(&pairs);
+    let next = at + 1u;
+    let first = pairs[at];
+    let second = pairs[next];
+    let low = given[at];
+    let high = given[at + 1u];
+    sums[id.x] = first.x * 3u + first.y * 5u + second.x * 7u + second.y * 11u + low * 13u + high * 17u;
 }

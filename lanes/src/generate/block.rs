@@ -3,14 +3,27 @@
 use super::Writer;
 use super::function::{Enclosing, Function, continues, count_returns, leaves};
 use super::types::Kind;
-use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, SwitchValue};
+use naga::{
+    AddressSpace, AtomicFunction, BinaryOperator, Block, Expression, GlobalVariable, Handle, Literal,
+    Statement, SwitchCase, SwitchValue,
+};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 impl<'m> Writer<'m> {
     /// Writes the statements of a block, which runs for the lanes of a mask. Afterwards the mask has those that reached its end.
     pub(super) fn block(&mut self, f: &mut Function<'m>, block: &'m Block, mask: &str) -> Result<(), String> {
         let mut open = 0;
+        let mut expressions = Vec::new();
         for (at, statement) in block.iter().enumerate() {
+            if let Statement::Emit(range) = statement {
+                expressions.extend(range.clone());
+                if matches!(block.get(at + 1), Some(Statement::Emit(_))) {
+                    continue; // what is computed without a statement in between is written together
+                }
+            }
+            let emitted = std::mem::take(&mut expressions);
+            self.emit(f, &emitted, mask)?;
             let may_leave = self.statement(f, statement, mask)?;
             if may_leave && at + 1 < block.len() {
                 let _ = writeln!(f.text, "{mask} = {mask}{}; if {mask}.any() {{", f.staying());
@@ -40,14 +53,7 @@ impl<'m> Writer<'m> {
         mask: &str,
     ) -> Result<bool, String> {
         match statement {
-            Statement::Emit(range) => {
-                for expression in range.clone() {
-                    if !self.is_pointer(f, expression) {
-                        let value = self.expression(f, expression, mask)?;
-                        let _ = writeln!(f.text, "let e{} = {value};", expression.index());
-                    }
-                }
-            }
+            Statement::Emit(_) => {} // by the block
             Statement::Block(block) => {
                 self.block(f, block, mask)?; // in the same scope
                 return Ok(leaves(block));
@@ -118,6 +124,42 @@ impl<'m> Writer<'m> {
             _ => return Err("a texture, a subgroup, a ray, or what draws,".to_owned()),
         }
         Ok(false)
+    }
+
+    /// Writes expressions. Two elements of a buffer that lie one behind the other are read together.
+    fn emit(
+        &mut self,
+        f: &mut Function<'m>,
+        expressions: &[Handle<Expression>],
+        mask: &str,
+    ) -> Result<(), String> {
+        let mut read = BTreeMap::new();
+        for &expression in expressions {
+            if let Some(behind) = expressions.iter().find(|other| f.is_behind(self.module, expression, **other)) {
+                read.insert(expression, *behind);
+            }
+        }
+        let mut known: BTreeMap<_, String> = BTreeMap::new();
+        for &expression in expressions {
+            if self.is_pointer(f, expression) {
+                continue;
+            }
+            if let Some(behind) = read.get(&expression)
+                && !known.contains_key(&expression)
+                && let Some((both, [first, second])) = self.fetch_two(f, expression, mask)?
+            {
+                let name = expression.index();
+                let _ = writeln!(f.text, "let both{name} = {both};");
+                known.insert(expression, first.replace("both", &format!("both{name}")));
+                known.insert(*behind, second.replace("both", &format!("both{name}")));
+            }
+            let value = match known.remove(&expression) {
+                Some(text) => text,
+                None => self.expression(f, expression, mask)?,
+            };
+            let _ = writeln!(f.text, "let e{} = {value};", expression.index());
+        }
+        Ok(())
     }
 
     /// An `if`: each side for its lanes. Where the condition is the same in all lanes, all go one way, by a branch of the processor.
@@ -266,6 +308,34 @@ fn case_leaves(block: &Block) -> bool {
 }
 
 impl Function<'_> {
+    /// The buffer and the index of an element that an expression reads.
+    fn element_of_buffer(
+        &self,
+        module: &naga::Module,
+        expression: Handle<Expression>,
+    ) -> Option<(Handle<GlobalVariable>, Handle<Expression>)> {
+        let Expression::Load { pointer } = self.body.expressions[expression] else { return None };
+        let Expression::Access { base, index } = self.body.expressions[pointer] else { return None };
+        let Expression::GlobalVariable(buffer) = self.body.expressions[base] else { return None };
+        matches!(module.global_variables[buffer].space, AddressSpace::Storage { .. }).then_some((buffer, index))
+    }
+
+    /// Whether the second expression reads the element behind the one that the first reads.
+    fn is_behind(&self, module: &naga::Module, first: Handle<Expression>, second: Handle<Expression>) -> bool {
+        let [Some((buffer, index)), Some((other, next))] =
+            [first, second].map(|one| self.element_of_buffer(module, one))
+        else {
+            return false;
+        };
+        let Expression::Binary { op: BinaryOperator::Add, left, right } = self.body.expressions[next] else {
+            return false;
+        };
+        first < second
+            && buffer == other
+            && left == index
+            && self.body.expressions[right] == Expression::Literal(Literal::U32(1))
+    }
+
     /// A number for names.
     fn name(&mut self) -> usize {
         self.names += 1;

@@ -399,6 +399,36 @@ impl<'m> Writer<'m> {
         Ok(format!("{{ let row: [V; {size}] = row(cx.{name}, {}); {value} }}", span.index(0)))
     }
 
+    /// An element of a buffer and the one behind it, where these are at most four words without a gap: the text of both, and
+    /// of each as a part of `both`.
+    pub(super) fn fetch_two(
+        &mut self,
+        f: &Function<'m>,
+        load: Handle<Expression>,
+        mask: &str,
+    ) -> Result<Option<(String, [String; 2])>, String> {
+        let Expression::Load { pointer } = f.body.expressions[load] else { return Ok(None) };
+        let place = self.place(f, pointer)?;
+        let (Root::Global(handle), [Step::By(_)]) = (place.root, place.steps.as_slice()) else {
+            return Ok(None);
+        };
+        let ty = self.root_type(f, place.root)?;
+        let stride = match self.module.types[ty].inner {
+            TypeInner::Array { stride, .. } => stride / 4,
+            _ => return Ok(None),
+        };
+        let span = self.span(ty, &place.steps)?;
+        let size = self.size(&span.ty)?;
+        if size != stride || size > 2 {
+            return Ok(None);
+        }
+        let name = self.global(handle);
+        let both = format!("two_rows::<{size}, {}>(cx.{name}, {}, {mask})", 2 * size, span.index(0));
+        let parts = [0, size].map(|at| self.assemble(&span.ty, at, &|word| format!("both[{word}]")));
+        let [first, second] = parts;
+        Ok(Some((both, [first?, second?])))
+    }
+
     /// Words of a type in a buffer.
     fn size(&self, part: &Part) -> Result<u32, String> {
         let inner = self.inner(part);

@@ -225,8 +225,12 @@ impl M {
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 unsafe fn gather(from: *const u32, index: V) -> V {
+    let at = index.to_array();
     // SAFETY: the caller vouches for each index.
-    V(unsafe { _mm512_i32gather_epi32::<4>(index.0, from.cast()) })
+    let word = |lane: usize| unsafe { from.add(at[lane] as usize).cast::<i32>().read() };
+    let block = |first: usize| _mm_setr_epi32(word(first), word(first + 1), word(first + 2), word(first + 3));
+    let (low, high) = (_mm256_set_m128i(block(4), block(0)), _mm256_set_m128i(block(12), block(8)));
+    V(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
 }
 
 /// Four words of memory, or two and two zeros.

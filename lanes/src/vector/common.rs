@@ -201,6 +201,31 @@ macro_rules! common {
             unsafe { gather_row(from.first(), index) }
         }
 
+        /// The `D / 2` words from each lane's index on, and those behind them, in one read where all are there.
+        #[inline]
+        $(#[$attr])*
+        pub fn two_rows<const W: usize, const D: usize>(from: Words<'_>, index: V, mask: M) -> [V; D] {
+            const { assert!(D == 2 * W) };
+            let last = V::c(from.readable().saturating_sub(D as u32));
+            if (from.readable() as usize) < D || mask.and(last.ult(index)).any() {
+                return rows_apart::<W, D>(from, index);
+            }
+            // SAFETY: there are as many words, and `last` + D of them at most are read.
+            unsafe { gather_row(from.first(), index.umin(last)) }
+        }
+
+        /// The same where the end of the buffer is near: each row as far as the buffer goes.
+        #[cold]
+        #[inline(never)]
+        $(#[$attr])*
+        fn rows_apart<const W: usize, const D: usize>(from: Words<'_>, index: V) -> [V; D] {
+            let (first, second) = (row::<W>(from, index), row::<W>(from, index.iadd(V::c(W as u32))));
+            let mut both = [V::c(0); D];
+            both[..W].copy_from_slice(&first);
+            both[W..].copy_from_slice(&second);
+            both
+        }
+
         /// The `W` words from one index on, the same for all lanes.
         #[inline]
         $(#[$attr])*
