@@ -20,15 +20,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::kernels;
+use wgsl_lanes::generate::{Arrays, kernels};
 
 const SHADERS: &str = "../shaders";
 
 /// Kernels whose twin is faster: it walks along rows of cells, or has next to nothing to compute.
 const TWIN_IS_FASTER: [&str; 6] = ["flow", "flow_density", "idle", "lead_agents", "queue", "unjam"];
-
-/// Arrays that a kernel fills before it reads them.
-const WRITTEN_FIRST: [&str; 1] = ["lines"];
 
 fn main() -> ExitCode {
     println!("cargo::rerun-if-changed={SHADERS}");
@@ -85,7 +82,7 @@ fn write(out: &Path, source: &Source, file: &str, sets: &[Isa], lists: &mut List
     let mut all = Vec::new();
     let mut inner = String::new();
     for isa in sets {
-        let written = kernels(&module, &info, *isa, &WRITTEN_FIRST);
+        let written = kernels(&module, &info, *isa, Arrays::Unset);
         let (set, path) = (isa.name(), out.join(format!("{file}.{}.rs", isa.name())));
         std::fs::write(&path, &written.text).map_err(|e| format!("{}: {e}", path.display()))?;
         let _ = writeln!(inner, "    pub mod {set} {{ include!({:?}); }}", path.display().to_string());

@@ -13,8 +13,6 @@ const CHUNK: u32 = 256;
 /// Pieces for each thread that work is cut into, where it is long. A thread may lose its core to another program: then the
 /// others take its pieces, and wait for one at most.
 const PIECES: usize = 64;
-/// Chunks of a piece, at least: fewer cost more to hand over than to run.
-const LEAST: usize = 4;
 
 /// A buffer that a kernel takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +58,7 @@ impl Kernel {
         match chunks * height {
             count @ 0..2 => (0..count).for_each(one),
             count => {
-                let most = (count as usize / (PIECES * rayon::current_num_threads())).max(LEAST);
+                let most = (count as usize / (PIECES * rayon::current_num_threads())).max(1);
                 (0..count).into_par_iter().with_max_len(most).for_each(one);
             }
         }

@@ -11,7 +11,8 @@
 
 use wgsl_lanes::Isa;
 use wgsl_lanes_constructs::{
-    ALIKE, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, NOT_CLEARED, Runs, SIDE_BY_SIDE, run,
+    ALIKE, ALIKE_TO_MOST, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, SIDE_BY_SIDE, UNSET,
+    run,
 };
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
@@ -512,23 +513,27 @@ fn what_all_lanes_have_alike_is_one_branch() {
     for flags in FLAGS {
         for count in COUNTS {
             let given = draws(count as usize);
-            let want: Vec<u32> = given.iter().map(|value| fold(*value, 6, flags)).collect();
-            expect(ALIKE, &[given, vec![0; want.len()]], flags, count, 1, &want);
+            for (kernel, most) in [(ALIKE, 6), (ALIKE_TO_MOST, flags % 9)] {
+                let want: Vec<u32> = given.iter().map(|value| fold(*value, most, flags)).collect();
+                expect(kernel, &[given.clone(), vec![0; want.len()]], flags, count, 1, &want);
+            }
         }
     }
 }
 
 #[test]
-fn an_array_that_is_written_first_is_not_cleared() {
-    for flags in FLAGS {
-        for count in COUNTS {
-            let given = draws(count as usize);
-            let of = |(number, value): (u32, &u32)| {
-                let add = |sum: u32, i| sum.wrapping_mul(7).wrapping_add(fold(i + number, flags, flags));
-                (0..value % 5).fold(0, add)
-            };
-            let want: Vec<u32> = (0..).zip(&given).map(of).collect();
-            expect(NOT_CLEARED, &[given, vec![0; want.len()]], flags, count, 1, &want);
+fn arrays_that_are_not_cleared_hold_what_is_written_first() {
+    for count in COUNTS {
+        let given = draws(count as usize);
+        for (isa, made) in run(UNSET, &[given.clone(), vec![0; 2 * given.len()]], 0, count) {
+            for (at, value) in given.iter().enumerate() {
+                let most = value % 5;
+                let add = |sum: u32, i| sum.wrapping_mul(7).wrapping_add(value.wrapping_mul(i + 1));
+                assert_eq!(made[1][2 * at], (0..most).fold(most, add), "{isa:?}, {at} of {count}");
+            }
+            let left: u32 = made[1].iter().skip(1).step_by(2).sum();
+            assert!(left < count.max(1), "{isa:?}: the first found what none had left");
+            assert!(count < 256 || left > 0, "{isa:?}: nothing was left to others");
         }
     }
 }

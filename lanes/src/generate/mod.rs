@@ -15,7 +15,7 @@ mod types;
 use crate::Isa;
 use function::Variant;
 use naga::valid::ModuleInfo;
-use naga::{AddressSpace, GlobalVariable, Handle, Module, Type};
+use naga::{AddressSpace, GlobalVariable, Handle, Module, Type, TypeInner};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt::Write as _;
 
@@ -43,6 +43,16 @@ pub struct Binding {
     pub name: String,
     /// Whether it is written.
     pub is_written: bool,
+}
+
+/// What the private arrays of an invocation hold when it begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrays {
+    /// Zeros, or what they are declared with, as the language demands.
+    Set,
+    /// What another invocation has left there, or that. For shaders that write an element before they read it: to fill a large array
+    /// takes as long as to use it.
+    Unset,
 }
 
 /// An entry point in the text.
@@ -73,16 +83,13 @@ pub struct Written {
 /// run the invocations of a row, `global_invocation_id.y`, whose `global_invocation_id.x` is in a range. The immediate is the
 /// module's `var<immediate>` of one word.
 ///
-/// `written_first` names private variables of which no invocation reads what it has not written. They are not made zero for each
-/// invocation, which takes time where they are large arrays: an invocation finds in them what another has left.
-///
 /// An entry point that lanes cannot run is not in the text: one with barriers, memory of a workgroup, textures, other invocation inputs.
-pub fn kernels(module: &Module, info: &ModuleInfo, isa: Isa, written_first: &[&str]) -> Written {
+pub fn kernels(module: &Module, info: &ModuleInfo, isa: Isa, arrays: Arrays) -> Written {
     let mut writer = Writer {
         module,
         info,
         isa,
-        written_first,
+        arrays,
         text: String::new(),
         structs: BTreeMap::new(),
         wanted: VecDeque::new(),
@@ -97,7 +104,7 @@ struct Writer<'m> {
     module: &'m Module,
     info: &'m ModuleInfo,
     isa: Isa,
-    written_first: &'m [&'m str],
+    arrays: Arrays,
     text: String,
     /// Structs that functions use, by their text.
     structs: BTreeMap<Handle<Type>, String>,
@@ -185,7 +192,8 @@ impl Writer<'_> {
             };
             let begin = format!("    let mut own_{name}: {ty} = {value};\n");
             let _ = write!(passed, "{name}, ");
-            if variable.name.as_deref().is_some_and(|name| self.written_first.contains(&name)) {
+            let is_array = matches!(self.module.types[variable.ty].inner, TypeInner::Array { .. });
+            if is_array && self.arrays == Arrays::Unset {
                 kept.push_str(&begin);
                 let _ = write!(given, "&mut own_{name}, ");
                 let _ = write!(taken, "{name}: &mut {ty}, ");
