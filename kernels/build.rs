@@ -56,7 +56,13 @@ fn generate() -> Result<(), String> {
         }
         let source =
             Source::read(file, &Path::new(SHADERS).join("shared"), number).map_err(|e| e.to_string())?;
-        write(&out, &source, &name, sets, &mut Lists { modules: &mut modules, table: &mut table, left: &mut left })?;
+        write(
+            &out,
+            &source,
+            &name,
+            sets,
+            &mut Lists { modules: &mut modules, table: &mut table, left: &mut left },
+        )?;
     }
     let text = format!(
         "{modules}\n/// All phases that lanes run.\npub static KERNELS: &[Kernel] = &[\n{table}];\n\n\

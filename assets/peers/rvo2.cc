@@ -1,5 +1,5 @@
 // RVO2's C++ library for `gaitway bench --peers --peer ./rvo2`: a line of JSON, then "step N" and "state", until the input ends.
-// In the folder src of RVO2 (https://github.com/snape/RVO2), whose build would write Export.h:
+// In the folder src of RVO2 (https://github.com/snape/RVO2), or pyrvo/src of pyrvo's source package (PyPI). Their build would write Export.h:
 //   touch Export.h
 //   c++ -O3 -march=native -flto -fopenmp -DRVO_EXPORT= -o rvo2 rvo2.cc Agent.cc KdTree.cc Line.cc Obstacle.cc RVOSimulator.cc Vector2.cc
 #include "RVOSimulator.h"

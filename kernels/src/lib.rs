@@ -9,7 +9,7 @@ use wgsl_lanes::{Isa, Words};
 type Run = unsafe fn(&[Words<'_>], u32, u32, Range<u32>);
 
 /// Invocations that a thread takes at a time: enough that the start of a chunk costs nothing.
-const CHUNK: u32 = 256;
+const CHUNK: u32 = 128;
 /// Pieces for each thread that work is cut into, where it is long. A thread may lose its core to another program: then the
 /// others take its pieces, and wait for one at most.
 const PIECES: usize = 64;

@@ -11,8 +11,8 @@
 
 use wgsl_lanes::Isa;
 use wgsl_lanes_constructs::{
-    ALIKE, ALIKE_TO_MOST, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, SIDE_BY_SIDE, UNSET,
-    run,
+    ALIKE, ALIKE_TO_MOST, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, SIDE_BY_SIDE,
+    UNSET, run,
 };
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
@@ -543,14 +543,14 @@ fn elements_side_by_side_are_those_of_two_reads() {
     for (count, length) in [(1, 1), (7, 1), (16, 2), (37, 3), (256, 40)] {
         let (given, pairs) = (draws(count), draws(2 * length));
         let pair = |at: usize| [0, 1].map(|part| pairs[2 * at.min(length - 1) + part]);
-        let of = |value: &u32| {
+        let of = |(number, value): (usize, &u32)| {
             let at = *value as usize % length;
             let ([a, b], [c, d]) = (pair(at), pair(at + 1));
-            let [e, f] = [at, at + 1].map(|at| given[at.min(count - 1)]);
-            let parts = [(a, 3), (b, 5), (c, 7), (d, 11), (e, 13), (f, 17)];
+            let [e, f, g] = [at, at + 1, number + 1].map(|at| given[at.min(count - 1)]);
+            let parts = [(a, 3), (b, 5), (c, 7), (d, 11), (e, 13), (f, 17), (g, 19)];
             parts.iter().fold(0u32, |sum, (word, by)| sum.wrapping_add(word.wrapping_mul(*by)))
         };
-        let want: Vec<u32> = given.iter().map(of).collect();
+        let want: Vec<u32> = given.iter().enumerate().map(of).collect();
         expect(SIDE_BY_SIDE, &[given, vec![0; count], pairs], 0, count as u32, 1, &want);
     }
 }

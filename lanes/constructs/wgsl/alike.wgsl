@@ -54,6 +54,7 @@ fn side_by_side(@builtin(global_invocation_id) id: vec3<u32>) {
     let first = pairs[at];
     let second = pairs[next];
     let low = given[at];
+    let apart = given[id.x + 1u];
     let high = given[at + 1u];
-    sums[id.x] = first.x * 3u + first.y * 5u + second.x * 7u + second.y * 11u + low * 13u + high * 17u;
+    sums[id.x] = first.x * 3u + first.y * 5u + second.x * 7u + second.y * 11u + low * 13u + high * 17u + apart * 19u;
 }

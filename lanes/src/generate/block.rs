@@ -3,11 +3,7 @@
 use super::Writer;
 use super::function::{Enclosing, Function, continues, count_returns, leaves};
 use super::types::Kind;
-use naga::{
-    AddressSpace, AtomicFunction, BinaryOperator, Block, Expression, GlobalVariable, Handle, Literal,
-    Statement, SwitchCase, SwitchValue,
-};
-use std::collections::BTreeMap;
+use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, SwitchValue};
 use std::fmt::Write as _;
 
 impl<'m> Writer<'m> {
@@ -124,42 +120,6 @@ impl<'m> Writer<'m> {
             _ => return Err("a texture, a subgroup, a ray, or what draws,".to_owned()),
         }
         Ok(false)
-    }
-
-    /// Writes expressions. Two elements of a buffer that lie one behind the other are read together.
-    fn emit(
-        &mut self,
-        f: &mut Function<'m>,
-        expressions: &[Handle<Expression>],
-        mask: &str,
-    ) -> Result<(), String> {
-        let mut read = BTreeMap::new();
-        for &expression in expressions {
-            if let Some(behind) = expressions.iter().find(|other| f.is_behind(self.module, expression, **other)) {
-                read.insert(expression, *behind);
-            }
-        }
-        let mut known: BTreeMap<_, String> = BTreeMap::new();
-        for &expression in expressions {
-            if self.is_pointer(f, expression) {
-                continue;
-            }
-            if let Some(behind) = read.get(&expression)
-                && !known.contains_key(&expression)
-                && let Some((both, [first, second])) = self.fetch_two(f, expression, mask)?
-            {
-                let name = expression.index();
-                let _ = writeln!(f.text, "let both{name} = {both};");
-                known.insert(expression, first.replace("both", &format!("both{name}")));
-                known.insert(*behind, second.replace("both", &format!("both{name}")));
-            }
-            let value = match known.remove(&expression) {
-                Some(text) => text,
-                None => self.expression(f, expression, mask)?,
-            };
-            let _ = writeln!(f.text, "let e{} = {value};", expression.index());
-        }
-        Ok(())
     }
 
     /// An `if`: each side for its lanes. Where the condition is the same in all lanes, all go one way, by a branch of the processor.
@@ -308,34 +268,6 @@ fn case_leaves(block: &Block) -> bool {
 }
 
 impl Function<'_> {
-    /// The buffer and the index of an element that an expression reads.
-    fn element_of_buffer(
-        &self,
-        module: &naga::Module,
-        expression: Handle<Expression>,
-    ) -> Option<(Handle<GlobalVariable>, Handle<Expression>)> {
-        let Expression::Load { pointer } = self.body.expressions[expression] else { return None };
-        let Expression::Access { base, index } = self.body.expressions[pointer] else { return None };
-        let Expression::GlobalVariable(buffer) = self.body.expressions[base] else { return None };
-        matches!(module.global_variables[buffer].space, AddressSpace::Storage { .. }).then_some((buffer, index))
-    }
-
-    /// Whether the second expression reads the element behind the one that the first reads.
-    fn is_behind(&self, module: &naga::Module, first: Handle<Expression>, second: Handle<Expression>) -> bool {
-        let [Some((buffer, index)), Some((other, next))] =
-            [first, second].map(|one| self.element_of_buffer(module, one))
-        else {
-            return false;
-        };
-        let Expression::Binary { op: BinaryOperator::Add, left, right } = self.body.expressions[next] else {
-            return false;
-        };
-        first < second
-            && buffer == other
-            && left == index
-            && self.body.expressions[right] == Expression::Literal(Literal::U32(1))
-    }
-
     /// A number for names.
     fn name(&mut self) -> usize {
         self.names += 1;

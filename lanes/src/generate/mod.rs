@@ -10,6 +10,7 @@ mod expression;
 mod function;
 mod place;
 mod same;
+mod together;
 mod types;
 
 use crate::Isa;
@@ -198,7 +199,7 @@ impl Writer<'_> {
                 let _ = write!(given, "&mut own_{name}, ");
                 let _ = write!(taken, "{name}: &mut {ty}, ");
             } else {
-                let _ = write!(made, "{begin}    let {name} = &mut own_{name};\n");
+                let _ = writeln!(made, "{begin}    let {name} = &mut own_{name};");
             }
         }
         let name = &entry.name;

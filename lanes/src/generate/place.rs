@@ -33,25 +33,25 @@ pub(super) struct Place {
 }
 
 /// Part of a buffer: where it begins, in words.
-struct Span {
+pub(super) struct Span {
     /// The same for all lanes.
     fixed: u32,
     /// Vectors to be added.
     by_lane: Vec<String>,
     /// Whether all of these have the same in all lanes.
     are_same: bool,
-    ty: Part,
+    pub(super) ty: Part,
 }
 
 /// A type that need not have a name: a component or a column of one that has.
-enum Part {
+pub(super) enum Part {
     Named(Handle<Type>),
     Inner(TypeInner),
 }
 
 impl Span {
     /// The index of a word of it.
-    fn index(&self, offset: u32) -> String {
+    pub(super) fn index(&self, offset: u32) -> String {
         let fixed = self.fixed + offset;
         let sum = self.by_lane.iter().cloned().reduce(|sum, one| format!("{sum}.iadd({one})"));
         match (sum, fixed) {
@@ -89,7 +89,7 @@ impl<'m> Writer<'m> {
     }
 
     /// The type of where a place begins.
-    fn root_type(&self, f: &Function<'m>, root: Root) -> Result<Handle<Type>, String> {
+    pub(super) fn root_type(&self, f: &Function<'m>, root: Root) -> Result<Handle<Type>, String> {
         match root {
             Root::Global(handle) => Ok(self.module.global_variables[handle].ty),
             Root::Local(handle) => Ok(f.body.local_variables[handle].ty),
@@ -332,7 +332,7 @@ impl<'m> Writer<'m> {
     }
 
     /// Part of a buffer.
-    fn span(&mut self, ty: Handle<Type>, steps: &[Step]) -> Result<Span, String> {
+    pub(super) fn span(&mut self, ty: Handle<Type>, steps: &[Step]) -> Result<Span, String> {
         let mut span = Span { fixed: 0, by_lane: Vec::new(), are_same: true, ty: Part::Named(ty) };
         for step in steps {
             let inner = self.inner(&span.ty);
@@ -399,38 +399,8 @@ impl<'m> Writer<'m> {
         Ok(format!("{{ let row: [V; {size}] = row(cx.{name}, {}); {value} }}", span.index(0)))
     }
 
-    /// An element of a buffer and the one behind it, where these are at most four words without a gap: the text of both, and
-    /// of each as a part of `both`.
-    pub(super) fn fetch_two(
-        &mut self,
-        f: &Function<'m>,
-        load: Handle<Expression>,
-        mask: &str,
-    ) -> Result<Option<(String, [String; 2])>, String> {
-        let Expression::Load { pointer } = f.body.expressions[load] else { return Ok(None) };
-        let place = self.place(f, pointer)?;
-        let (Root::Global(handle), [Step::By(_)]) = (place.root, place.steps.as_slice()) else {
-            return Ok(None);
-        };
-        let ty = self.root_type(f, place.root)?;
-        let stride = match self.module.types[ty].inner {
-            TypeInner::Array { stride, .. } => stride / 4,
-            _ => return Ok(None),
-        };
-        let span = self.span(ty, &place.steps)?;
-        let size = self.size(&span.ty)?;
-        if size != stride || size > 2 {
-            return Ok(None);
-        }
-        let name = self.global(handle);
-        let both = format!("two_rows::<{size}, {}>(cx.{name}, {}, {mask})", 2 * size, span.index(0));
-        let parts = [0, size].map(|at| self.assemble(&span.ty, at, &|word| format!("both[{word}]")));
-        let [first, second] = parts;
-        Ok(Some((both, [first?, second?])))
-    }
-
     /// Words of a type in a buffer.
-    fn size(&self, part: &Part) -> Result<u32, String> {
+    pub(super) fn size(&self, part: &Part) -> Result<u32, String> {
         let inner = self.inner(part);
         Ok(match &inner {
             TypeInner::Struct { span, .. } => span / 4,
@@ -443,7 +413,12 @@ impl<'m> Writer<'m> {
     }
 
     /// A value of a type of the words of a buffer.
-    fn assemble(&mut self, part: &Part, at: u32, word: &dyn Fn(u32) -> String) -> Result<String, String> {
+    pub(super) fn assemble(
+        &mut self,
+        part: &Part,
+        at: u32,
+        word: &dyn Fn(u32) -> String,
+    ) -> Result<String, String> {
         let inner = self.inner(part);
         let mut parts = Vec::new();
         match &inner {

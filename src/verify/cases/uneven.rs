@@ -1,8 +1,9 @@
-//! Crowds like the crossing that are hard to find neighbours in: one that is dense in one place and thin elsewhere, and one on two
-//! storeys.
+//! Crowds like the crossing that are hard to find neighbours in: one that is dense in one place and thin elsewhere, one on two
+//! storeys, and one in a strip a few cells wide.
 
 use super::crossing::crossing;
 use crate::kernels::Store;
+use crate::kernels::shared::absent::ABSENT;
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::sim::order;
 
@@ -68,7 +69,27 @@ pub(crate) fn storeys(agents: usize) -> Store {
     store
 }
 
-/// Steps of both, once around ORCA and once around RVO.
+/// A crowd in a strip so few cells wide that what lies behind the end of a row of cells is near as well. Every ninth is absent.
+pub(crate) fn strip(agents: usize, columns: u32) -> Store {
+    let mut store = crossing(agents, 1.0);
+    let width = columns as f32 * store.step.cell_size;
+    let length = agents as f32 / width;
+    store.step.wrap = 0.0;
+    store.step.grid_columns = columns;
+    store.step.grid_rows = (length / store.step.cell_size).ceil() as u32;
+    store.step.cell_count = columns * store.step.grid_rows;
+    for (position, number) in store.position.iter_mut().zip(0..) {
+        let draw = |lane: u32| unit_f32(hash_u32(2 * number + lane));
+        *position = if number % 9 == 8 { [ABSENT; 2] } else { [width * draw(0), length * draw(1)] };
+    }
+    super::step::scratch(&mut store, agents);
+    store
+}
+
+/// Columns of the strips.
+const STRIPS: [u32; 4] = [1, 2, 4, 5];
+
+/// Steps of all, once around ORCA and once around RVO.
 pub(super) fn cases(size: usize, seed: u32) -> Vec<super::Case> {
     if size == 0 {
         return Vec::new(); // a grid has a cell
@@ -81,7 +102,8 @@ pub(super) fn cases(size: usize, seed: u32) -> Vec<super::Case> {
         };
         order::MODELS.map(with).collect::<Vec<_>>()
     };
-    [of("clustered", clustered(size)), of("storeys", storeys(size))].concat()
+    let strips = STRIPS.map(|columns| of(&format!("{columns} cells wide"), strip(size, columns)));
+    [of("clustered", clustered(size)), of("storeys", storeys(size)), strips.concat()].concat()
 }
 
 #[cfg(test)]
@@ -104,14 +126,16 @@ mod tests {
     }
 
     #[test]
-    fn lanes_and_twins_agree_about_both_crowds() {
-        for (name, crowd) in [("clustered", clustered as fn(usize) -> Store), ("storeys", storeys)] {
+    fn lanes_and_twins_agree_about_all_crowds() {
+        let strips = STRIPS.map(|columns| ("strip", strip(3_000, columns)));
+        let crowds = [("clustered", clustered(3_000)), ("storeys", storeys(3_000))];
+        for (name, crowd) in crowds.into_iter().chain(strips) {
             let hash = |backend| {
-                let mut simulation = Simulation::from_store(crowd(3_000), backend, None).unwrap();
+                let mut simulation = Simulation::from_store(crowd.clone(), backend, None).unwrap();
                 simulation.step(40).unwrap();
                 measure::state_hash(simulation.state().unwrap())
             };
-            assert_eq!(hash(Backend::Cpu), hash(Backend::Reference), "{name}");
+            assert_eq!(hash(Backend::Cpu), hash(Backend::Reference), "{name} of {:?}", crowd.step);
         }
     }
 }
