@@ -69,7 +69,8 @@ pub(crate) fn storeys(agents: usize) -> Store {
     store
 }
 
-/// A crowd in a strip so few cells wide that what lies behind the end of a row of cells is near as well. Every ninth is absent.
+/// A crowd in a strip so few cells wide that what lies behind the end of a row of cells is near as well. Every ninth is absent, and
+/// the slots that nobody has hold a place beside the last person, as if from another step.
 pub(crate) fn strip(agents: usize, columns: u32) -> Store {
     let mut store = crossing(agents, 1.0);
     let width = columns as f32 * store.step.cell_size;
@@ -83,6 +84,8 @@ pub(crate) fn strip(agents: usize, columns: u32) -> Store {
         *position = if number % 9 == 8 { [ABSENT; 2] } else { [width * draw(0), length * draw(1)] };
     }
     super::step::scratch(&mut store, agents);
+    let end = [0.5 * width, length - 0.3];
+    store.slot_position.fill(end);
     store
 }
 
