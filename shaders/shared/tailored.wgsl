@@ -70,7 +70,10 @@ fn clothed(color: vec3<f32>, bits: u32, own: Outfit, tailored: u32, colors: vec2
     if part == CAP || part == PEAK || part == BRIM || part == BACKPACK {
         return shade * extra_color(own);
     }
-    if (part == SKIRT || part == BARE_LEGS) && material == MATERIAL_BOTTOM && has(own, DRESS) {
+    let is_skirt = (part == SKIRT || part == BARE_LEGS) && material == MATERIAL_BOTTOM;
+    if is_skirt && has(own, COAT) {
+        return shade * jacket_color(own); // a lifted thigh that comes through the coat is not seen
+    } else if is_skirt && has(own, DRESS) {
         material = MATERIAL_TOP;
     } else if material == MATERIAL_TOP && has(own, JACKET) {
         return shade * jacket_color(own);

@@ -3,11 +3,13 @@
 use crate::common::gpu;
 use crate::support::*;
 use gaitway::avatar::wardrobe::{Clothes, Outfit, Tailoring, Wardrobe};
-use gaitway::avatar::{Avatar, Sex, generated};
+use gaitway::avatar::{Avatar, Material, Sex, generated};
 use gaitway::gait::walker;
 use gaitway::gpu::Device;
 use gaitway::kernels::layout::Appearance;
-use gaitway::kernels::shared::outfit::{CAP, JACKET, LOWER_SLEEVE, SNEAKERS, STRIPES, TORSO};
+use gaitway::kernels::shared::outfit::{
+    BARE_LEGS, CAP, COAT, DRESS, JACKET, LOWER_SLEEVE, SKIRT, SNEAKERS, STRIPES, TORSO,
+};
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Image, Quality, Renderer, Settings};
 use glam::{Vec2, Vec3};
@@ -130,6 +132,28 @@ fn a_cover_is_cloth_where_it_is_worn_and_otherwise_skin() {
             thin == wide
         };
         assert!(is_as_wide(&[LOWER_SLEEVE]) && !is_as_wide(&[TORSO]), "{quality:?}");
+    }
+    gpu::assert_silent();
+}
+
+#[test]
+fn a_skirt_and_the_legs_in_it_have_the_colour_of_the_coat_over_them() {
+    let Some(device) = device() else { return };
+    for part in [SKIRT, BARE_LEGS] {
+        let mut body = body(part, 0.0);
+        let trunks = body.levels.iter_mut().flat_map(|mesh| &mut mesh.vertices);
+        trunks.filter(|vertex| vertex.joints[0] == 1).for_each(|vertex| vertex.material = Material::Bottom);
+        for quality in [Quality::Low, Quality::Medium] {
+            let of = |parts: &[u32]| {
+                let (image, view) = draw(&device, &body, Some(dressed(parts)), quality);
+                lit(&image, &view, 0.0, 1.1)
+            };
+            assert_eq!(of(&[part]), [false, false, true], "{quality:?}: its own");
+            assert_eq!(of(&[part, JACKET]), [false, false, true], "{quality:?}: a jacket ends above it");
+            assert_eq!(of(&[part, DRESS]), RED, "{quality:?}: a dress has that of the top");
+            assert_eq!(of(&[part, JACKET, COAT]), [false, true, false], "{quality:?}: the coat's");
+            assert_eq!(of(&[part, DRESS, JACKET, COAT]), [false, true, false], "{quality:?}: over a dress");
+        }
     }
     gpu::assert_silent();
 }
