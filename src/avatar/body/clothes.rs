@@ -19,11 +19,9 @@ const SEAT: &[Row] = &[
     (0.980, 0.142, 0.097, 0.098, 2),
 ];
 /// Coats from their hem up.
-// The middle row goes with the thighs as that of a skirt does: without it a skirt comes through where a thigh is lifted.
-const FEMALE_COAT: &[Row] =
-    &[(0.518, 0.216, 0.186, 0.194, 2), (0.640, 0.212, 0.173, 0.186, 1), (0.800, 0.202, 0.143, 0.166, 0)];
-const MALE_COAT: &[Row] =
-    &[(0.540, 0.232, 0.188, 0.196, 2), (0.660, 0.226, 0.177, 0.188, 1), (0.780, 0.215, 0.156, 0.172, 0)];
+// The upper row is where a skirt's is, and goes with the thighs as that does: else a skirt comes through where a thigh is lifted.
+const FEMALE_COAT: &[Row] = &[(0.518, 0.216, 0.186, 0.194, 2), (0.640, 0.214, 0.173, 0.187, 0)];
+const MALE_COAT: &[Row] = &[(0.540, 0.232, 0.188, 0.196, 2), (0.660, 0.228, 0.177, 0.190, 0)];
 /// How far the hem of a jacket hangs below that of a top, and stands off it, m.
 const HEM_DROP: f32 = 0.040;
 const HEM_OFF: f32 = 0.010;
