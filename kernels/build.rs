@@ -47,23 +47,18 @@ fn generate() -> Result<(), String> {
     let mut files: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.retain(|file| file.extension().is_some_and(|extension| extension == "wgsl"));
     files.sort();
-    let (mut modules, mut table, mut left) = (String::new(), String::new(), String::new());
+    let mut lists = Lists::default();
     for (number, file) in files.iter().enumerate() {
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
         if TWIN_IS_FASTER.contains(&name.as_ref()) {
-            let _ = writeln!(left, "    ({name:?}, \"its twin is faster\"),");
+            let _ = writeln!(lists.left, "    ({name:?}, \"its twin is faster\"),");
             continue;
         }
         let source =
             Source::read(file, &Path::new(SHADERS).join("shared"), number).map_err(|e| e.to_string())?;
-        write(
-            &out,
-            &source,
-            &name,
-            sets,
-            &mut Lists { modules: &mut modules, table: &mut table, left: &mut left },
-        )?;
+        write(&out, &source, &name, sets, &mut lists)?;
     }
+    let Lists { modules, table, left } = lists;
     let text = format!(
         "{modules}\n/// All phases that lanes run.\npub static KERNELS: &[Kernel] = &[\n{table}];\n\n\
          /// Those that they do not run, and why.\npub static LEFT_OUT: &[(&str, &str)] = &[\n{left}];\n"
@@ -72,16 +67,17 @@ fn generate() -> Result<(), String> {
 }
 
 /// What the crate has of all files.
-struct Lists<'a> {
-    modules: &'a mut String,
+#[derive(Default)]
+struct Lists {
+    modules: String,
     /// Kernels.
-    table: &'a mut String,
+    table: String,
     /// Those that lanes do not run.
-    left: &'a mut String,
+    left: String,
 }
 
 /// Writes the entry points of a file in all sets.
-fn write(out: &Path, source: &Source, file: &str, sets: &[Isa], lists: &mut Lists<'_>) -> Result<(), String> {
+fn write(out: &Path, source: &Source, file: &str, sets: &[Isa], lists: &mut Lists) -> Result<(), String> {
     let module = naga::front::wgsl::parse_str(source.text()).map_err(|e| format!("{}: {e}", source.name))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES);
     let info = validator.validate(&module).map_err(|e| format!("{}: {e}", source.name))?;

@@ -69,7 +69,7 @@ fn on_line(base: u32, number: u32, radius: f32, wanted: vec2<f32>, far: bool) ->
     let root = sqrt(max(discriminant, 0.0));
     var left = -d - root;
     var right = -d + root;
-    // all lines, also where one of the first leaves nothing: a turn that need not know waits for none before it
+    // All lines, also where one of the first leaves nothing: then turns do not wait for one another.
     for (var i = 0u; i < number; i++) {
         let other = lines[base + i];
         let denominator = det2(line.zw, other.zw);

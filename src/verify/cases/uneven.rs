@@ -69,9 +69,9 @@ pub(crate) fn storeys(agents: usize) -> Store {
     store
 }
 
-/// A crowd in a strip so few cells wide that what lies behind the end of a row of cells is near as well. Every ninth is absent, and
-/// the slots that nobody has hold a place beside the last person, as if from another step.
-pub(crate) fn strip(agents: usize, columns: u32) -> Store {
+/// A crowd in a strip so few cells wide that what lies behind the end of a row of cells is near as well. Every ninth is absent. Empty
+/// slots hold a place beside the last person, as after another step.
+fn strip(agents: usize, columns: u32) -> Store {
     let mut store = crossing(agents, 1.0);
     let width = columns as f32 * store.step.cell_size;
     let length = agents as f32 / width;
