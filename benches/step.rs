@@ -24,7 +24,9 @@ fn step(criterion: &mut Criterion) {
             .warm_up_time(Duration::from_millis(500))
             .measurement_time(Duration::from_secs(2));
         for agents in SIZES {
-            let mut simulation = match Simulation::from_store(crossing(agents, 1.0), backend, None) {
+            let mut crowd = crossing(agents, 1.0);
+            crowd.step.measured = 0;
+            let mut simulation = match Simulation::from_store(crowd, backend, None) {
                 Ok(simulation) => simulation,
                 Err(error) => {
                     println!("skipped: {label}/{agents}: {error}");

@@ -15,17 +15,42 @@ mod fault;
 mod source;
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Expression, Literal};
 use source::Source;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::{Arrays, kernels};
+use wgsl_lanes::generate::{Arrays, Axis, Options, kernels};
 
 const SHADERS: &str = "../shaders";
 
 /// Kernels whose twin is faster: it walks along rows of cells, or has next to nothing to compute.
 const TWIN_IS_FASTER: [&str; 6] = ["flow", "flow_density", "idle", "lead_agents", "queue", "unjam"];
+
+/// Kernels whose lanes are different agents, y: what they do with a vertex, x, is the same for all.
+const ALONG_Y: [&str; 1] = ["skin"];
+/// What these read of each agent for one vertex after another.
+const KEPT: [(&str, Elements); 2] =
+    [("palettes", Elements::Constant("PALETTE_STRIDE")), ("expressions", Elements::One)];
+
+/// How many elements of a buffer an agent has.
+enum Elements {
+    One,
+    /// As a constant of the shader says.
+    Constant(&'static str),
+}
+
+impl Elements {
+    fn number(&self, module: &naga::Module) -> Option<u32> {
+        let Self::Constant(name) = self else { return Some(1) };
+        let (_, constant) = module.constants.iter().find(|(_, one)| one.name.as_deref() == Some(name))?;
+        match module.global_expressions[constant.init] {
+            Expression::Literal(Literal::U32(number)) => Some(number),
+            _ => None,
+        }
+    }
+}
 
 fn main() -> ExitCode {
     println!("cargo::rerun-if-changed={SHADERS}");
@@ -81,10 +106,17 @@ fn write(out: &Path, source: &Source, file: &str, sets: &[Isa], lists: &mut List
     let module = naga::front::wgsl::parse_str(source.text()).map_err(|e| format!("{}: {e}", source.name))?;
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES);
     let info = validator.validate(&module).map_err(|e| format!("{}: {e}", source.name))?;
+    let axis = if ALONG_Y.contains(&file) { Axis::Y } else { Axis::X };
+    let kept: Vec<(&str, u32)> = match axis {
+        Axis::X => Vec::new(),
+        Axis::Y => {
+            KEPT.iter().filter_map(|(name, elements)| Some((*name, elements.number(&module)?))).collect()
+        }
+    };
     let mut all = Vec::new();
     let mut inner = String::new();
     for isa in sets {
-        let written = kernels(&module, &info, *isa, Arrays::Unset);
+        let written = kernels(&module, &info, *isa, Options { arrays: Arrays::Unset, axis, kept: &kept });
         let (set, path) = (isa.name(), out.join(format!("{file}.{}.rs", isa.name())));
         std::fs::write(&path, &written.text).map_err(|e| format!("{}: {e}", path.display()))?;
         let _ = writeln!(inner, "    pub mod {set} {{ include!({:?}); }}", path.display().to_string());
@@ -112,7 +144,7 @@ fn write(out: &Path, source: &Source, file: &str, sets: &[Isa], lists: &mut List
             .collect();
         let _ = writeln!(
             lists.table,
-            "    Kernel {{ name: {:?}, bindings: &[{names}], runs: &[{runs}] }},",
+            "    Kernel {{ name: {:?}, axis: Axis::{axis:?}, bindings: &[{names}], runs: &[{runs}] }},",
             kernel.name
         );
     }

@@ -3,7 +3,7 @@
 // group, some in each lane. The group that is done last counts the agents before each group, and all; it empties the list of unsolved agents,
 // too. `grid_scatter` adds the two counts up.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> cells: array<u32>;                    // [cell][2] see cells.wgsl
+@group(0) @binding(1) var<storage, read_write> cells: array<u32>;              // [cell][2] see cells.wgsl
 @group(0) @binding(2) var<storage, read_write> cell_start: array<atomic<u32>>; // see cells.wgsl
 @group(0) @binding(3) var<storage, read_write> unsolved: array<u32>;           // see unsolved.wgsl
 
@@ -25,8 +25,9 @@ fn grid_scan(
     let own = scan(lane, agents);
     var before = own.before;
     for (var cell = first_cell; cell < end_cell; cell++) {
-        atomicStore(&cell_start[in_group(cell)], before);
-        before += cells[CELL_WORDS * cell];
+        let inside = cells[CELL_WORDS * cell];
+        cells[CELL_WORDS * cell] = before;
+        before += inside;
     }
     if lane == 0u {
         groups_left = 0u;

@@ -47,7 +47,7 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
 
 // The slot of a cell's first agent.
 fn start_of(cell: u32) -> u32 {
-    return cell_start[in_group(cell)] + cell_start[in_groups(cell / GROUP_CELLS)];
+    return cells[CELL_WORDS * cell] + cell_start[in_groups(cell / GROUP_CELLS)];
 }
 
 // What others read of an agent.

@@ -1,9 +1,10 @@
-// uses: step, exact, absent, agent, cells, footing
+// uses: step, exact, contents, absent, agent, cells, footing
 // Moves each agent along its solved velocity, turns the body towards where it goes at a bounded rate, advances the
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
 // Strides follow the speed, with a delay. Feet on the ground stay where they are, whatever the body does; who stops or turns on
-// the spot takes steps until they are under it. Bodies lean where they are pushed to, and heads turn first.
+// the spot takes steps until they are under it. Bodies lean where they are pushed to, and heads turn first. Agents without bodies
+// move, and that is all.
 // The kernel runs last: it empties the cells for the next step, and counts the step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;    // [slot] m/s
@@ -50,8 +51,12 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     let at = position[agent];
     let had = velocity[agent];
     let traits = body[agent];
-    let was = stance_in(stance[agent]);
-    let faced = heading[agent];
+    var was: Stance;
+    var faced = 0.0;
+    if (contents & BARE) == 0u {
+        was = stance_in(stance[agent]);
+        faced = heading[agent];
+    }
     if slot == NOBODY {
         velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
@@ -70,6 +75,9 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     position[agent] = p;
     let push = (v - had) * step.inverse_time_step;
     velocity[agent] = v;
+    if (contents & BARE) != 0u {
+        return;
+    }
 
     let stands = !(was.walk_weight > 0.0);
     let speed = sqrt(dot2(v, v));

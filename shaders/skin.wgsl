@@ -1,4 +1,4 @@
-// uses: frame, quaternion, body
+// uses: frame, quaternion, body, normal
 // Linear blend skinning of the visible agents at level of detail 0, one `avatar` a dispatch, into
 // world space. x is the vertex of the mesh, y the agent within its bucket (dispatch_args says how many of each).
 // Where an agent's vertices begin: those of avatar a stand behind all those of the avatars before it, so agent n of
@@ -12,7 +12,7 @@
 @group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][21][3] rows
 @group(0) @binding(5) var<storage, read> face_moves: array<vec4<f32>>;    // [face vertex][9] m
 @group(0) @binding(6) var<storage, read> expressions: array<Expression>;  // [visible]
-@group(0) @binding(7) var<storage, read_write> skinned: array<vec4<f32>>; // [near vertex][2] world
+@group(0) @binding(7) var<storage, read_write> skinned: array<vec4<u32>>; // [near vertex] world: bits of the position, m; packed normal
 var<immediate> avatar: u32;
 
 fn row_at(row: vec4<f32>, p: vec3<f32>) -> f32 {
@@ -22,6 +22,20 @@ fn row_at(row: vec4<f32>, p: vec3<f32>) -> f32 {
 // One of the four joints of a vertex.
 fn skin_joint(joints: u32, which: u32) -> u32 {
     return min((joints >> (8u * which)) & 0xffu, SKIN_JOINTS - 1u);
+}
+
+// world_from_mesh
+struct Rows {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    z: vec4<f32>,
+}
+
+fn rows_of(at: u32) -> Rows {
+    let x = palettes[at];
+    let y = palettes[at + 1u];
+    let z = palettes[at + 2u];
+    return Rows(x, y, z);
 }
 
 // How far a vertex of face or hands is from its place at rest, m; `first` is where it stands in face_moves.
@@ -47,35 +61,35 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
         first += (bucket_start[before + 1u] - bucket_start[before]) * mesh_table[before].vertex_count;
     }
     let source = (mesh.first_vertex + id.x) * VERTEX_STRIDE;
-    let slot = bucket_start[bucket] + id.y;
-    var vertex_position = mesh_vertices[source].xyz;
-    let of_face = bitcast<u32>(mesh_vertices[source].w) >> MATERIAL_BITS;
+    let position_material = mesh_vertices[source];
     let normal_joints = mesh_vertices[source + 1u];
+    let weights = mesh_vertices[source + 2u];
+    let slot = bucket_start[bucket] + id.y;
+    var vertex_position = position_material.xyz;
     var n = normal_joints.xyz;
+    let of_face = bitcast<u32>(position_material.w) >> MATERIAL_BITS;
     if of_face > 0u {
         let face = expressions[slot];
         let moves = (of_face - 1u) * FACE_STRIDE;
         vertex_position = vertex_position + moved(moves, face);
         n = n + face_moves[moves + FIST_NORMAL].xyz * face.fist;
     }
-    let weights = mesh_vertices[source + 2u];
     let joints = bitcast<u32>(normal_joints.w);
     let matrices = slot * PALETTE_STRIDE;
-    let first_joint = matrices + skin_joint(joints, 0u) * 3u;
-    var row_x = palettes[first_joint] * weights.x;
-    var row_y = palettes[first_joint + 1u] * weights.x;
-    var row_z = palettes[first_joint + 2u] * weights.x;
+    let nearest = rows_of(matrices + skin_joint(joints, 0u) * 3u);
+    var row_x = nearest.x * weights.x;
+    var row_y = nearest.y * weights.x;
+    var row_z = nearest.z * weights.x;
     for (var i = 1u; i < 4u; i++) {
-        let joint = skin_joint(joints, i);
         let weight = weights[i];
-        row_x = row_x + palettes[matrices + joint * 3u] * weight;
-        row_y = row_y + palettes[matrices + joint * 3u + 1u] * weight;
-        row_z = row_z + palettes[matrices + joint * 3u + 2u] * weight;
+        if weight > 0.0 { // most vertices follow one joint or two
+            let rows = rows_of(matrices + skin_joint(joints, i) * 3u);
+            row_x = row_x + rows.x * weight;
+            row_y = row_y + rows.y * weight;
+            row_z = row_z + rows.z * weight;
+        }
     }
     let normal = vec3<f32>(dot3(row_x.xyz, n), dot3(row_y.xyz, n), dot3(row_z.xyz, n));
-    let square = dot3(normal, normal);
-    let length = select(1.0, sqrt(square), square > 1e-12); // two opposite influences may leave no normal
-    let out = (first + id.y * mesh.vertex_count + id.x) * SKINNED_STRIDE;
-    skinned[out] = vec4<f32>(row_at(row_x, vertex_position), row_at(row_y, vertex_position), row_at(row_z, vertex_position), 1.0);
-    skinned[out + 1u] = vec4<f32>(normal.x / length, normal.y / length, normal.z / length, 0.0);
+    let position = vec3<f32>(row_at(row_x, vertex_position), row_at(row_y, vertex_position), row_at(row_z, vertex_position));
+    skinned[first + id.y * mesh.vertex_count + id.x] = vec4<u32>(bitcast<vec3<u32>>(position), packed_normal(normal));
 }

@@ -6,7 +6,7 @@
 
 use crate::kernels::{KernelId, Phase, Store};
 use crate::sim::{Backend, Simulation};
-use crate::verify::cases::crossing::crossing;
+use crate::verify::cases::crossing::{bare_crossing, crossing};
 use crate::verify::cases::uneven::{clustered, storeys};
 use serde::Serialize;
 use std::time::Instant;
@@ -32,12 +32,12 @@ pub use goals::Goal;
 pub use runs::Row;
 pub use sequence::Sequence;
 
-use crowds::{SPACING, quality_of};
+use crowds::{SPACING, bare, plain, quality_of};
 use runs::{WARM_UP, repeat};
 use sequence::EXTRAS;
 
 /// Kernels that only some steps run, each timed in a step that runs it.
-const OTHERS: [KernelId; 7] = [
+const OTHERS: [KernelId; 8] = [
     KernelId::GroupCohesion,
     KernelId::Elevate,
     KernelId::Spawn,
@@ -45,18 +45,19 @@ const OTHERS: [KernelId; 7] = [
     KernelId::React,
     KernelId::Teleport,
     KernelId::PoseFar,
+    KernelId::Measure,
 ];
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Workload {
-    /// The kernels of a simulation step and the step as a whole.
+    /// The kernels of a simulation step of agents without bodies, and the step as a whole.
     #[default]
     Crossing,
     /// The same with half of the people within an eighth of the area.
     Clustered,
     /// The same on two storeys, one above the other.
     Storeys,
-    /// The crossing's kernels, the animation of all agents in that crowd, flow fields over as many cells, the features of as many gaits, and the
+    /// The crossing's kernels with bodies, the animation of all agents in that crowd, flow fields over as many cells, the features of as many gaits, and the
     /// arithmetic probe: every kernel.
     All,
     /// Both eyes of a user in front of the crowd, in one pass, in two, and as two frames (see the rows' names).
@@ -224,9 +225,10 @@ fn pictures(
 /// The crowd whose steps are timed.
 fn walking(workload: Workload, agents: usize) -> Store {
     match workload {
-        Workload::Clustered => clustered(agents),
-        Workload::Storeys => storeys(agents),
-        _ => crossing(agents, SPACING),
+        Workload::Clustered => bare(clustered(agents)),
+        Workload::Storeys => bare(storeys(agents)),
+        Workload::Crossing => bare(bare_crossing(agents, SPACING)),
+        _ => plain(crossing(agents, SPACING)),
     }
 }
 

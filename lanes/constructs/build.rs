@@ -6,7 +6,7 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::{Arrays, kernels};
+use wgsl_lanes::generate::{Arrays, Axis, Options, kernels};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=wgsl");
@@ -19,10 +19,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let module = naga::front::wgsl::parse_str(&std::fs::read_to_string(&file)?)?;
         let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module)?;
         let arrays = if name == "unset" { Arrays::Unset } else { Arrays::Set };
+        let axis = if name == "across" || name == "kept" { Axis::Y } else { Axis::X };
         let mut runs = vec![String::new(); module.entry_points.len()];
         for isa in Isa::of(&architecture) {
             let set = isa.name();
-            let written = kernels(&module, &info, *isa, arrays);
+            let written = kernels(&module, &info, *isa, Options { arrays, axis, kept: &[("own", 5)] });
             std::fs::write(out.join(format!("{name}.{set}.rs")), written.text)?;
             let path = Path::new(&out).join(format!("{name}.{set}.rs"));
             let _ = writeln!(all, "mod {name}_{set} {{ include!({:?}); }}", path.display().to_string());

@@ -1,4 +1,4 @@
-// uses: view, light, fine, person, tint, outfit, tailored, body, agent
+// uses: view, light, fine, person, tint, outfit, tailored, body, normal, agent
 // The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
 // detail); the instance is the agent's place among the visible agents of the bucket.
 
@@ -7,7 +7,7 @@
 @group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits, see kernels `skin`
 @group(0) @binding(6) var<storage, read> mesh_table: array<MeshRange>;              // [bucket]
 @group(0) @binding(7) var<storage, read> palettes: array<array<vec4<f32>, 3>>;      // [slot][joint], rows of world_from_mesh
-@group(0) @binding(8) var<storage, read> skinned: array<array<vec4<f32>, 2>>;       // near agents: world position, world normal
+@group(0) @binding(8) var<storage, read> skinned: array<vec4<u32>>;                 // near agents, see kernel `skin`
 @group(0) @binding(9) var<storage, read> appearance: array<Appearance>;             // [agent]
 @group(0) @binding(10) var<storage, read> outfits: array<Outfit>;                   // [agent]
 @group(0) @binding(11) var<storage, read> tailoring: array<u32>;                    // [vertex], as mesh_vertices
@@ -23,7 +23,7 @@ struct Placed {
 fn place(vertex: u32, instance: u32) -> Placed {
     if bucket % view.level_count == 0u {
         let at = near_vertex(instance) + vertex - mesh_table[bucket].first_vertex; // the vertex index counts from the first mesh
-        return Placed(skinned[at][0].xyz, skinned[at][1].xyz);
+        return Placed(bitcast<vec3<f32>>(skinned[at].xyz), normalize(unpacked_normal(skinned[at].w)));
     }
     return pose(vertex, instance);
 }

@@ -1,4 +1,4 @@
-// uses: view, light, fine, person, textured, tint, body, agent
+// uses: view, light, fine, person, textured, tint, body, normal, agent
 // The finest level of loaded characters that have textures, looked up at every pixel. Coarser levels have the colours of their
 // vertices, as the shader `crowd` draws them.
 
@@ -6,7 +6,7 @@
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;                  // first slot of each bucket
 @group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits, see kernels `skin`
 @group(0) @binding(6) var<storage, read> mesh_table: array<MeshRange>;              // [bucket]
-@group(0) @binding(7) var<storage, read> skinned: array<array<vec4<f32>, 2>>;       // near agents: world position, world normal
+@group(0) @binding(7) var<storage, read> skinned: array<vec4<u32>>;                 // near agents, see kernel `skin`
 @group(0) @binding(8) var<storage, read> appearance: array<Appearance>;             // [agent]
 @group(0) @binding(9) var<storage, read> painted_corners: array<PaintedCorner>;     // [vertex], as mesh_vertices
 @group(0) @binding(10) var<storage, read> matters: array<TexturedMatter>;           // [material]
@@ -42,13 +42,13 @@ fn painted_vertex(
     @builtin(view_index) eye: u32,
 ) -> PaintedVertex {
     let at = near_vertex(instance) + vertex - mesh_table[bucket].first_vertex; // the vertex index counts from the first mesh
-    let world = skinned[at][0].xyz;
+    let world = bitcast<vec3<f32>>(skinned[at].xyz);
     let corner = painted_corners[vertex];
     let material = mesh_vertices[vertex][0].w;
     let colors = colors_of(appearance[visible[bucket_start[bucket] + instance]]);
     let color = vec4<f32>(tinted(corner.color.rgb, material, colors), corner.color.a);
     let clip = view.clip_from_world[eye] * vec4<f32>(world, 1.0);
-    return PaintedVertex(clip, world, skinned[at][1].xyz, color, corner.uv, body_occlusion(vertex), material, corner.matter);
+    return PaintedVertex(clip, world, unpacked_normal(skinned[at].w), color, corner.uv, body_occlusion(vertex), material, corner.matter);
 }
 
 // Base colour with its texture, and the share of the pixel that is covered: 0 of holes, backs of what has one side, and what

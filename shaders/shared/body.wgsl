@@ -44,9 +44,8 @@ const SKIN_JOINTS: u32 = 22u;
 const PALETTE_STRIDE: u32 = 66u;
 
 // mesh_vertices: [vertex][VERTEX_STRIDE]: position and material; normal and four joints of eight bits;
-// weights; linear colour. skinned: [near vertex][SKINNED_STRIDE]: world position, 1; world normal, 0
+// weights; linear colour
 const VERTEX_STRIDE: u32 = 4u;
-const SKINNED_STRIDE: u32 = 2u;
 
 // Above these bits of a vertex's material is its number in face_moves, counted from 1; 0: no expression moves it.
 const MATERIAL_BITS: u32 = 8u;

@@ -56,4 +56,6 @@ struct StepUniforms {
     widest_radius: f32,          // m: of any agent
     measured: u32,               // 1: steps are measured
     fastest: f32,                // m/s: no agent is faster
+    bare: u32,                   // 1: agents have no bodies, neither headings nor stances
+    unused: u32,
 }

@@ -72,10 +72,35 @@ pub(super) fn cast() -> Result<AvatarSet, crate::Error> {
     Ok(cast)
 }
 
+/// A crowd as a simulation has it: nothing is measured in its steps, and all avoid others alike.
+pub(super) fn plain(mut store: Store) -> Store {
+    (store.step.measured, store.step.alike) = (0, 1);
+    store
+}
+
+/// A crowd of agents without bodies, as peers have them: they neither turn nor walk on feet. Nothing is kept for kernels that do
+/// not run.
+pub(super) fn bare(store: Store) -> Store {
+    let mut store = Store {
+        heading: Vec::new(),
+        stance: Vec::new(),
+        waiting: Vec::new(),
+        companions: Vec::new(),
+        entry: Vec::new(),
+        teleport_of: Vec::new(),
+        reaction: Vec::new(),
+        seen: Vec::new(),
+        cell_depth: Vec::new(),
+        ..plain(store)
+    };
+    store.step.bare = 1;
+    store
+}
+
 /// The crossing of bare agents with bodies, and their meshes.
 pub(super) fn dressed(agents: usize) -> Result<(Store, MeshBuffers), crate::Error> {
     let cast = cast()?;
-    let mut store = crossing(agents, SPACING);
+    let mut store = plain(crossing(agents, SPACING));
     dress(&mut store, &cast);
     let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     // as the people of scenes

@@ -3,7 +3,7 @@
 //! Ten seconds from the start, as `simulate` does them. The batches of the three crowds alternate, so that other load on the
 //! machine slows all.
 
-use super::crowds::{Quality, SPACING, quality_of};
+use super::crowds::{Quality, SPACING, plain, quality_of};
 use super::runs::Row;
 use crate::scene::Scene;
 use crate::sim::{Backend, Simulation};
@@ -22,8 +22,7 @@ pub(super) fn measured(
     backend: Backend,
     device: Option<&str>,
 ) -> Result<(Vec<Row>, Vec<Quality>, String), crate::Error> {
-    let mut store = crossing(agents, SPACING);
-    store.step.alike = 1;
+    let store = plain(crossing(agents, SPACING));
     let scene = || -> Result<Simulation, crate::Error> {
         let count = u32::try_from(agents).unwrap_or(u32::MAX);
         Scene::load("crossing")?.agents(count).build()?.on(backend, device).start()

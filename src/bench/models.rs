@@ -4,10 +4,10 @@
 //! bench times a batch after the crowd has mixed. The crowd's quality is measured at that moment too, since slower machines
 //! do fewer steps after it.
 
-use super::crowds::{Quality, quality_of};
+use super::crowds::{Quality, bare, quality_of};
 use super::runs::{RUNS, Row};
 use crate::sim::{Backend, Simulation};
-use crate::verify::cases::crossing::crossing;
+use crate::verify::cases::crossing::bare_crossing;
 use std::time::Instant;
 
 /// Names of the rows of ORCA and of RVO, and people per square metre.
@@ -32,9 +32,8 @@ pub(super) fn models(
     let (mut rows, mut qualities, mut name) = (Vec::new(), Vec::new(), String::new());
     for (names, density) in ROWS {
         let walking = |model: u32| -> Result<Simulation, crate::Error> {
-            let mut store = crossing(agents, density.recip().sqrt());
+            let mut store = bare(bare_crossing(agents, density.recip().sqrt()));
             store.step.model = model;
-            store.step.alike = 1;
             let mut simulation = Simulation::from_store(store, backend, device)?;
             simulation.step(MIXING)?;
             Ok(simulation)

@@ -3,11 +3,11 @@
 //! A peer is a program of its own. It reads the crowd as one line of JSON ([`Crowd`]) and prints its name. To `step N` it answers
 //! with the milliseconds that N steps took, to `state` with a line of JSON ([`State`]). It ends with its input.
 
-use super::crowds::SPACING;
+use super::crowds::{SPACING, bare};
 use super::runs::Row;
 use crate::kernels::Store;
 use crate::sim::{Backend, Simulation};
-use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
+use crate::verify::cases::crossing::{CrossingQuality, bare_crossing, crossing_quality};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -121,8 +121,7 @@ fn one_size(
     backend: Backend,
     device: Option<&str>,
 ) -> Result<Vec<Peer>, crate::Error> {
-    let mut store = crossing(agents, SPACING);
-    store.step.alike = 1;
+    let mut store = bare(bare_crossing(agents, SPACING));
     let order = by_place(&store);
     let crowd = Crowd::of(&store, &order);
     let mut running = Vec::new();

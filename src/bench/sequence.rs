@@ -1,6 +1,6 @@
 //! Kernels in the order of a step, a frame or a case, run again and again, each timed.
 
-use super::crowds::{EYE_HEIGHT, SPACING, dressed};
+use super::crowds::{EYE_HEIGHT, SPACING, dressed, plain};
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Engine, plan::Op};
 #[cfg(feature = "vulkan")]
@@ -50,12 +50,11 @@ impl Sequence {
 
     /// The kernels of a step of that crowd.
     pub(super) fn walk(
-        mut store: Store,
+        store: Store,
         agents: usize,
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        store.step.alike = 1; // as in a simulation of this crowd
         let dispatches = order::step_dispatches(&store.step);
         Self::new(None, agents, store, dispatches, (backend, device))
     }
@@ -67,7 +66,8 @@ impl Sequence {
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        let mut store = crossing(agents, SPACING);
+        let mut store = plain(crossing(agents, SPACING));
+        store.step.measured = u32::from(kernel == Some(KernelId::Measure));
         if kernel == Some(KernelId::GroupCohesion) {
             for first in (0..u32::try_from(agents).unwrap_or(0).saturating_sub(2)).step_by(3) {
                 join(&mut store, &[first, first + 1, first + 2]);
@@ -83,8 +83,7 @@ impl Sequence {
         }
         if kernel == Some(KernelId::LeadAgents) {
             (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
-        } else {
-            store.step.alike = 1; // as in a simulation of this crowd
+            store.step.alike = 0;
         }
         if kernel == Some(KernelId::Teleport) {
             store.teleport_of.fill(0);
@@ -106,7 +105,7 @@ impl Sequence {
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        let mut store = crossing(agents, SPACING);
+        let mut store = plain(crossing(agents, SPACING));
         if let Some(model) = order::MODELS.into_iter().find(|model| order::velocity_kernel(*model) == kernel)
         {
             store.step.model = model;
@@ -284,6 +283,7 @@ impl Sequence {
             group_count: 1,
             floor_count: 1,
             reaction_steps: 1,
+            measured: 1,
             ..Default::default()
         };
         (all.led_count, all.teleport_count, all.queue_count, all.source_count) = (1, 1, 1, 1);

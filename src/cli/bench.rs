@@ -18,8 +18,8 @@ use clap::{Args, ValueEnum};
                         two streams at right angles over a square whose opposite sides are joined. Clustered, there is one per two square metres. \
                         On two storeys there is one per square metre of each.")]
 pub(super) struct Arguments {
-    /// crossing: the kernels of a step; clustered: these with half of the people within an eighth of the area; storeys: on two
-    /// storeys, one above the other; all: those of the crossing, of the animation and the probe; stereo: pictures for both eyes of
+    /// crossing: the kernels of a step, of agents without bodies; clustered: these with half of the people within an eighth of the area; storeys: on two
+    /// storeys, one above the other; all: those of the crossing with bodies, of the animation and the probe; stereo: pictures for both eyes of
     /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; light: pictures
     /// of the scene `crossing` at low, medium and high quality; field: the
     /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities;

@@ -1,7 +1,7 @@
 //! Rust twins of the structs that buffers hold, written from the WGSL when the crate is built: the same fields in the same
 //! order, without a gap. Bits are packed and unpacked here, in one function each.
 
-use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
+use crate::kernels::shared::contents::{BARE, CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::shared::stages::WAYPOINT;
 use crate::kernels::shared::step::{GROUP_SHIFT, LED, LED_BIT};
 use bytemuck::{Pod, Zeroable};
@@ -215,6 +215,7 @@ impl StepUniforms {
             (USER, self.user_radius > 0.0),
             (CROWDED, self.crowding > 0.0),
             (GROUPS, self.group_count > 0),
+            (BARE, self.bare > 0),
         ]
         .into_iter()
         .filter(|(_, is_there)| *is_there)

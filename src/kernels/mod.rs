@@ -309,7 +309,7 @@ mod tests {
         let some = shared::contents::WALLS | shared::contents::GROUPS;
         assert_eq!(text(Phase::GridScatter, some).as_deref(), Some("contents walls+groups"));
         assert_eq!(text(Phase::GridScatter, 0).as_deref(), Some("contents none"));
-        assert_eq!(text(Phase::Integrate, 0), None);
+        assert_eq!(text(Phase::Measure, 0), None);
     }
 
     #[test]

@@ -9,16 +9,14 @@ use crate::kernels::shared::unsolved::index::LISTED;
 pub fn grid_scan(b: Slices<'_>) {
     let cell_count = b.step.cell_count as usize;
     b.cell_start[step_word(b.step)] = b.step.step_index;
-    let (starts, rest) = b.cell_start.split_at_mut(cell_count + 1);
-    let (in_group, in_groups) = rest.split_at_mut(cell_count);
-    let cells = b.cells[..CELL_WORDS * cell_count].chunks(CELL_WORDS * GROUP_CELLS);
+    let (starts, in_groups) = b.cell_start.split_at_mut(cell_count + 1);
+    let cells = b.cells[..CELL_WORDS * cell_count].chunks_mut(CELL_WORDS * GROUP_CELLS);
     let mut total = 0;
-    for ((cells, in_group), before) in cells.zip(in_group.chunks_mut(GROUP_CELLS)).zip(in_groups) {
+    for (cells, before) in cells.zip(in_groups) {
         *before = total;
         let mut agents = 0;
-        for (cell, before) in cells.chunks_exact(CELL_WORDS).zip(in_group) {
-            *before = agents;
-            agents += cell[0];
+        for cell in cells.chunks_exact_mut(CELL_WORDS) {
+            agents += std::mem::replace(&mut cell[0], agents);
         }
         total += agents;
     }

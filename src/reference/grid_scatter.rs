@@ -15,9 +15,8 @@ pub fn grid_scatter(mut b: Slices<'_>) {
     let (cell_start, agent_slot) = (std::mem::take(&mut b.cell_start), std::mem::take(&mut b.agent_slot));
     let (positions, motions) = (std::mem::take(&mut b.slot_position), std::mem::take(&mut b.slot_motion));
     let b = &b;
-    let (starts, rest) = cell_start.split_at_mut(cells + 1);
-    let (in_group, in_groups) = rest.split_at(cells);
-    let start_of = |cell: usize| in_group[cell] + in_groups[cell / GROUP_CELLS];
+    let (starts, in_groups) = cell_start.split_at_mut(cells + 1);
+    let start_of = |cell: usize| b.cells[CELL_WORDS * cell] + in_groups[cell / GROUP_CELLS];
     let slots = agent_slot[..agents].par_iter_mut().enumerate().with_min_len(1024);
     slots.for_each(|(agent, slot)| {
         *slot = NOBODY;

@@ -12,6 +12,7 @@ use crate::kernels::integrate::{
 use crate::kernels::layout::{Body, Stance, StepUniforms};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::cells::index::CELL_WORDS;
+use crate::kernels::shared::contents::BARE;
 use crate::kernels::shared::footing::{LEAST_STRIDE, STEP_RATE};
 use rayon::prelude::*;
 
@@ -21,22 +22,31 @@ pub fn integrate(b: Slices<'_>) {
     b.cells[..CELL_WORDS * b.step.cell_count as usize].fill(0);
     b.step_count[0] = b.step.step_index + 1;
     let (step, new_velocity, agent_slot, body) = (b.step, b.new_velocity, b.agent_slot, b.body);
-    let state = b.position[..agents].par_iter_mut().zip(&mut b.velocity[..agents]);
-    let state =
-        state.zip(&mut b.stance[..agents]).zip(&mut b.heading[..agents]).enumerate().with_min_len(1024);
-    let failed = state
-        .filter_map(|(agent, (((position, velocity), stance), heading))| {
-            if agent_slot[agent] == NOBODY {
-                *velocity = [0.0, 0.0];
-                return None;
+    let solved =
+        |agent: usize| (agent_slot[agent] != NOBODY).then(|| new_velocity[agent_slot[agent] as usize]);
+    if b.contents & BARE == 0 {
+        let bodies = b.stance[..agents].par_iter_mut().zip(&mut b.heading[..agents]);
+        let had = &b.velocity[..agents];
+        bodies.enumerate().with_min_len(1024).for_each(|(agent, (stance, heading))| {
+            if let Some(v) = solved(agent).filter(|v| is_finite2(*v)) {
+                Carried { stance, heading }.moved(step, agent as u32, [had[agent], v], body[agent]);
             }
-            let v = new_velocity[agent_slot[agent] as usize];
+        });
+    }
+    let state = b.position[..agents].par_iter_mut().zip(&mut b.velocity[..agents]);
+    let failed = state
+        .enumerate()
+        .with_min_len(1024)
+        .filter_map(|(agent, (position, velocity))| {
+            let v = solved(agent).unwrap_or_default();
             if !is_finite2(v) {
                 *velocity = [0.0, 0.0];
                 return Some(agent as u32);
             }
-            let own = State { position, velocity, stance, heading };
-            own.moved(step, agent as u32, v, body[agent]);
+            *velocity = v;
+            if agent_slot[agent] != NOBODY {
+                go(step, position, v);
+            }
             None
         })
         .min();
@@ -46,30 +56,32 @@ pub fn integrate(b: Slices<'_>) {
     }
 }
 
-/// What a step changes of an agent.
-struct State<'a> {
-    position: &'a mut [f32; 2],
-    velocity: &'a mut [f32; 2],
+/// Moves an agent.
+fn go(step: &StepUniforms, position: &mut [f32; 2], v: [f32; 2]) {
+    for (place, speed) in position.iter_mut().zip(v) {
+        let mut p = *place + speed * step.time_step;
+        if step.wrap > 0.0 {
+            if p >= step.wrap {
+                p -= step.wrap;
+            }
+            if p < 0.0 {
+                p += step.wrap;
+            }
+        }
+        *place = p;
+    }
+}
+
+/// What a step changes of a body.
+struct Carried<'a> {
     stance: &'a mut Stance,
     heading: &'a mut f32,
 }
 
-impl State<'_> {
-    fn moved(self, step: &StepUniforms, agent: u32, v: [f32; 2], body: Body) {
-        for (place, speed) in self.position.iter_mut().zip(v) {
-            let mut p = *place + speed * step.time_step;
-            if step.wrap > 0.0 {
-                if p >= step.wrap {
-                    p -= step.wrap;
-                }
-                if p < 0.0 {
-                    p += step.wrap;
-                }
-            }
-            *place = p;
-        }
-        let push = [0, 1].map(|axis| (v[axis] - self.velocity[axis]) * step.inverse_time_step);
-        *self.velocity = v;
+impl Carried<'_> {
+    /// Of an agent whose velocity was one and is the other.
+    fn moved(self, step: &StepUniforms, agent: u32, [had, v]: [[f32; 2]; 2], body: Body) {
+        let push = [0, 1].map(|axis| (v[axis] - had[axis]) * step.inverse_time_step);
 
         let was = *self.stance;
         let stands = !(was.walk_weight > 0.0);

@@ -21,6 +21,7 @@ pub mod crowding;
 pub mod exact;
 pub mod footing;
 pub mod neighbours;
+pub mod normal;
 pub mod orca;
 pub mod precedence;
 pub mod prefer;

@@ -16,7 +16,7 @@ use crate::kernels::layout::{Expression, FarPose, FrameUniforms, MeshRange, Phys
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::MATERIAL_BITS;
 use crate::kernels::shared::body::index::{
-    CLIP_ROWS, FACE_STRIDE, PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
+    CLIP_ROWS, FACE_STRIDE, PALETTE_STRIDE, POSE_STRIDE, VERTEX_STRIDE,
 };
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
@@ -27,7 +27,7 @@ use glam::Vec3;
 /// Most agents that one frame shows with a pose; agents beyond are far bodies.
 const MOST_VISIBLE: u64 = 100_000;
 /// Most bytes of skinned vertices; agents beyond are drawn in the second level of detail.
-const MOST_SKINNED: u64 = 96 << 20;
+const MOST_SKINNED: u64 = 48 << 20;
 /// Storage buffers of this size can be bound by every Vulkan device.
 pub const SMALLEST_STORAGE_RANGE: u64 = 128 << 20;
 /// Nearer than the first two an agent is drawn in level 0 or 1; farther than the third it is not drawn, m. Between the
@@ -325,7 +325,8 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     let fits = |stride: u64, most: u64| storage_range.min(most) / stride.max(1);
     let visible = fits(PALETTE_STRIDE as u64 * 16, u64::MAX).min(MOST_VISIBLE).min(agents as u64) as usize;
     let near_vertices = meshes.most_near_vertices() as usize;
-    let near = fits((near_vertices * SKINNED_STRIDE * 16) as u64, MOST_SKINNED).min(visible as u64) as usize;
+    let near =
+        fits((near_vertices * size_of::<[u32; 4]>()) as u64, MOST_SKINNED).min(visible as u64) as usize;
     // who has no build has its avatar's
     store.physique.resize(agents, Physique::default());
     store.rig = pack_rig(cast.avatars());
@@ -352,7 +353,7 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     store.local_rotations = vec![[0.0; 4]; visible * POSE_STRIDE];
     store.palettes = vec![[0.0; 4]; visible * PALETTE_STRIDE];
     store.expressions = vec![Expression::default(); visible];
-    store.skinned = vec![[0.0; 4]; near * near_vertices * SKINNED_STRIDE];
+    store.skinned = vec![[0; 4]; near * near_vertices];
     let [first, second, farthest] = LEVEL_DISTANCES;
     let mut standing_clips = [[0; 4]; 4];
     for (place, avatar) in standing_clips.as_flattened_mut().iter_mut().zip(0..cast.avatars().len() as u32) {

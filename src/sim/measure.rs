@@ -4,7 +4,7 @@ use super::setup::NEVER;
 use crate::ground::is_absent;
 pub use crate::hash::Hash;
 use crate::kernels::Store;
-use crate::kernels::layout::{Appearance, Source};
+use crate::kernels::layout::{Appearance, Avoidance, Source};
 use glam::Vec2;
 
 /// Two discs overlap when their centres are nearer than this share of their summed radii.
@@ -125,7 +125,7 @@ pub fn state_hash(store: &Store) -> u64 {
         add(bytemuck::bytes_of(heading));
         add(&bytemuck::bytes_of(stance)[size_of_val(&stance.phase)..]);
     }
-    store.stance[..agents].iter().for_each(|stance| add(bytemuck::bytes_of(&stance.phase)));
+    store.stance.iter().take(agents).for_each(|stance| add(bytemuck::bytes_of(&stance.phase)));
     add(bytemuck::cast_slice(&store.route[..agents]));
     add(bytemuck::cast_slice(&store.waiting[..agents]));
     if store.step.floor_count > 0 {
@@ -156,9 +156,10 @@ pub fn mean_feeling(store: &Store) -> Option<[f32; 4]> {
         return None;
     }
     let (mut sums, mut count) = ([0.0_f64; 4], 0.0);
-    let agents = store.feeling.iter().zip(&store.position).zip(&store.avoidance);
-    for ((feeling, position), avoidance) in agents.take(store.step.agent_count as usize) {
-        if !is_absent(*position) && !avoidance.is_led() {
+    let is_led = |agent| store.avoidance.get(agent).is_some_and(Avoidance::is_led);
+    let agents = store.feeling.iter().zip(&store.position).take(store.step.agent_count as usize);
+    for (agent, (feeling, position)) in agents.enumerate() {
+        if !is_absent(*position) && !is_led(agent) {
             count += 1.0;
             for (sum, weight) in sums.iter_mut().zip(feeling) {
                 *sum += f64::from(*weight);

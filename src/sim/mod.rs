@@ -62,6 +62,7 @@ pub use people::Person;
 #[cfg(feature = "vulkan")]
 use crate::kernels::Dispatch;
 use crate::kernels::layout::{Avoidance, Lead, StepUniforms};
+use crate::kernels::shared::contents::UNLIKE;
 use crate::kernels::{BufferId, KernelId, Op, Phase, Store};
 use crate::scenario::{Crowd, Scenario};
 use glam::Vec2;
@@ -450,8 +451,11 @@ impl Simulation {
     }
 }
 
-/// Notes whether all agents avoid others alike.
+/// Notes whether all agents avoid others alike: then one record serves for all, where no kernel reads another.
 #[allow(clippy::float_cmp, reason = "copies of the same numbers")]
 fn find_alike(store: &mut Store) {
     store.step.alike = u32::from(store.avoidance.windows(2).all(|pair| pair[0] == pair[1]));
+    if store.step.contents() & UNLIKE == 0 && store.step.led_count == 0 {
+        store.avoidance.truncate(1);
+    }
 }

@@ -34,7 +34,7 @@ pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
         (true, agents(first).with(contents)),
         (true, Dispatch::new(again, Extent::Indirect(BufferId::Unsolved, 0)).with(contents)),
         (has_walls, agents(Phase::ClipToWalls)),
-        (true, agents_and_cells(Phase::Integrate)),
+        (true, agents_and_cells(Phase::Integrate).with(contents)),
         (step.floor_count > 0, agents(Phase::Elevate)),
         (step.measured > 0, agents(Phase::Measure)),
     ])

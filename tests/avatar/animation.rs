@@ -7,7 +7,7 @@ use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
 use gaitway::kernels::shared::body::index::{
     FACE_STRIDE, FIST_NORMAL, HEAD, LEFT_EYE, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_EYEBALL, RIG_STRIDE,
-    SKIN_JOINTS, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
+    SKIN_JOINTS, SPINE, VERTEX_STRIDE,
 };
 use gaitway::kernels::shared::body::{MATERIAL_BITS, NONE};
 use gaitway::kernels::shared::standing::STANCES;
@@ -442,6 +442,17 @@ fn moved(store: &Store, packed: &[[f32; 4]], slot: usize) -> [Vec3; 2] {
     [moves.into_iter().zip(numbers).map(|(way, number)| way * number).sum(), normal * face.fist]
 }
 
+/// Position and normal of a skinned vertex: the normal is a point of an octahedron, laid flat.
+fn unpacked([x, y, z, normal]: [u32; 4]) -> (Vec3, Vec3) {
+    let [x, y, z] = [x, y, z].map(f32::from_bits);
+    let units = [normal & 0xffff, normal >> 16];
+    let [across, along] = units.map(|units| (units as f32 - 32768.0) / 32767.0);
+    let up = 1.0 - across.abs() - along.abs();
+    let flat = Vec3::new(across, up, along);
+    let below = Vec3::new((1.0 - along.abs()).copysign(across), up, (1.0 - across.abs()).copysign(along));
+    (Vec3::new(x, y, z), if up < 0.0 { below } else { flat }.normalize())
+}
+
 #[test]
 fn skinned_vertices_are_the_weighted_sum_of_their_joints_and_stand_where_the_rule_says() {
     let store = ran(900, 0);
@@ -466,18 +477,17 @@ fn skinned_vertices_are_the_weighted_sum_of_their_joints_and_stand_where_the_rul
                     at += m.transform_point3(rest) * weight;
                     normal += m.transform_vector3(own_normal) * weight;
                 }
-                let got: [Vec4; 2] =
-                    std::array::from_fn(|i| store.skinned[first * SKINNED_STRIDE + i].into());
-                assert!(got[0].abs_diff_eq(at.extend(1.0), 1e-4), "{} not {at}", got[0]);
+                let (place, direction) = unpacked(store.skinned[first]);
+                assert!(place.abs_diff_eq(at, 1e-4), "{place} not {at}");
                 if normal.length() > 0.05 {
-                    let want = normal.normalize().extend(0.0);
-                    assert!(got[1].abs_diff_eq(want, 1e-3), "{} not {want}", got[1]);
+                    let want = normal.normalize();
+                    assert!(direction.abs_diff_eq(want, 1e-3), "{direction} not {want}");
                 }
                 first += 1;
             }
         }
     }
-    assert!(store.skinned[first * SKINNED_STRIDE..].iter().all(|v| v[0].is_nan()), "wrote past the end");
+    assert!(store.skinned[first..].iter().all(|vertex| *vertex == [0xdead_beef; 4]), "wrote past the end");
 }
 
 #[test]
@@ -510,7 +520,7 @@ fn a_bent_elbow_moves_each_vertex_by_its_weights() {
     }
     run(&mut store);
     let world = Built::new(&store, 0, &body).world_from_model();
-    let at = |n: usize| Vec4::from_array(store.skinned[n * SKINNED_STRIDE]).truncate();
+    let at = |n: usize| unpacked(store.skinned[n]).0;
     let straight = world.transform_point3(elbow + Vec3::X * 0.1);
     let bent = world.transform_point3(elbow + Vec3::Z * 0.1);
     assert!(at(0).abs_diff_eq(straight, 1e-5), "{} not {straight}", at(0));

@@ -6,6 +6,7 @@ use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory};
 use gaitway::kernels::layout::FarPose;
 use gaitway::kernels::shared::body::index::SKIN_JOINTS;
+use gaitway::reference::normal::packed_normal;
 use gaitway::render::camera::View;
 use gaitway::render::pack::{MeshBuffers, pack_avatars};
 use gaitway::render::{Atmosphere, CrowdBuffers, Image, Surface};
@@ -187,7 +188,7 @@ impl HandMade {
             visible.extend((0..places.len() as u32).filter(|i| places[*i as usize].1 == near));
             starts.push(visible.len() as u32);
         }
-        let (mut palettes, mut skinned) = (Vec::<[f32; 4]>::new(), Vec::<[f32; 4]>::new());
+        let (mut palettes, mut skinned) = (Vec::<[f32; 4]>::new(), Vec::<[u32; 4]>::new());
         for agent in &visible {
             let (place, near) = places[*agent as usize];
             for _ in 0..SKIN_JOINTS {
@@ -197,7 +198,8 @@ impl HandMade {
                 let mesh = meshes.mesh_table[0];
                 for vertex in meshes.vertices.chunks(4).take(mesh.vertex_count as usize) {
                     let (p, n) = (vertex[0], vertex[1]);
-                    skinned.extend([[p[0] + place.x, p[1], p[2] + place.y, 1.0], [n[0], n[1], n[2], 0.0]]);
+                    let [x, y, z] = [p[0] + place.x, p[1], p[2] + place.y].map(f32::to_bits);
+                    skinned.push([x, y, z, packed_normal([n[0], n[1], n[2]])]);
                 }
             }
         }

@@ -247,6 +247,25 @@ fn crowds_that_are_not_even_are_the_same_on_all_backends() {
 }
 
 #[test]
+fn agents_without_bodies_go_where_those_with_bodies_go() {
+    on_device(|_| {
+        let with_bodies = crossing::crossing(1_000, 1.0);
+        let bare = crossing::bare_crossing(1_000, 1.0);
+        let walked = |store: &Store, backend| {
+            let mut simulation = Simulation::from_store(store.clone(), backend, None).unwrap();
+            simulation.step(60).unwrap();
+            let state = simulation.state().unwrap();
+            assert!(state.stance.len() == store.stance.len() && state.heading.len() == store.heading.len());
+            bytemuck::cast_slice::<_, u32>(&[&state.position[..], &state.velocity].concat()).to_vec()
+        };
+        let want = walked(&with_bodies, Backend::Reference);
+        for backend in [Backend::Vulkan, Backend::Cpu, Backend::Reference] {
+            assert_eq!(walked(&bare, backend), want, "{backend:?}");
+        }
+    });
+}
+
+#[test]
 fn every_buffer_a_kernel_writes_is_compared() {
     // what compare_dispatches looks at is derived from the reflected access: a kernel that writes nothing would be blind
     for kernel in KernelId::ALL {

@@ -40,7 +40,7 @@ velocity_orca.again contents storeys+unlike+walls+user+groups
 barrier
 clip_to_walls
 barrier
-integrate
+integrate contents storeys+unlike+walls+user+groups
 barrier
 elevate
 barrier

@@ -11,8 +11,8 @@
 
 use wgsl_lanes::Isa;
 use wgsl_lanes_constructs::{
-    ALIKE, ALIKE_TO_MOST, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, SIDE_BY_SIDE,
-    UNSET, run,
+    ACROSS, ALIKE, ALIKE_TO_MOST, ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, KEPT, MEMORY, ROWS,
+    Runs, SIDE_BY_SIDE, UNSET, run, run_rows,
 };
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
@@ -552,5 +552,97 @@ fn elements_side_by_side_are_those_of_two_reads() {
         };
         let want: Vec<u32> = given.iter().enumerate().map(of).collect();
         expect(SIDE_BY_SIDE, &[given, vec![0; count], pairs], 0, count as u32, 1, &want);
+    }
+}
+
+#[test]
+fn rows_side_by_side_are_those_of_three_reads() {
+    for (count, length, spread) in
+        [(1, 1, 1), (7, 4, 2), (16, 40, 37), (37, 40, 60), (256, 300, 1), (256, 300, 290)]
+    {
+        let (draws, given) = (draws(count), draws(4 * length));
+        let places: Vec<u32> = draws.iter().map(|draw| draw % spread).collect();
+        let row = |at: u32| {
+            let first = 4 * (at as usize).min(length - 1);
+            [0, 1, 2, 3].map(|word| given[first + word])
+        };
+        let of = |at: &u32| {
+            let [first, second, third] = [0, 1, 2].map(|behind| row(at + behind));
+            let [a, b, c, d] = first;
+            let both = std::array::from_fn(|word| first[word] ^ second[word]);
+            [third, [d, c, b, a], both].concat()
+        };
+        let want: Vec<u32> = places.iter().flat_map(of).collect();
+        expect(ROWS, &[places, given, vec![0; 12 * count]], 0, count as u32, 2, &want);
+        // the last element is not there: what does not fit is dropped
+        let short = want[..want.len() - 12].to_vec();
+        let places: Vec<u32> = draws.iter().map(|draw| draw % spread).collect();
+        let given = self::draws(4 * length);
+        expect(ROWS, &[places, given, vec![0; 12 * (count - 1)]], 0, count as u32, 2, &short);
+    }
+}
+
+#[test]
+fn lanes_along_y_give_what_lanes_along_x_do() {
+    for [width, height] in [[1, 1], [5, 7], [3, 16], [40, 37], [9, 300]] {
+        let (columns, rows) = (draws(width), draws(2 * height));
+        let (columns, rows): (Vec<u32>, Vec<u32>) =
+            (columns.iter().map(|word| word % 50).collect(), rows.iter().map(|word| word % 60).collect());
+        let column = |at: u32| columns[(at as usize).min(width - 1)];
+        let row = |at: usize| [0, 1].map(|part| rows[2 * at.min(height - 1) + part]);
+        let mut want = Vec::new();
+        for y in 0..height {
+            for x in 0..width as u32 {
+                let [mut value, other] = row(y);
+                let here = column(x);
+                if here.is_multiple_of(3) {
+                    value = value.wrapping_add(other.wrapping_mul(here));
+                } else if other > here {
+                    value = value.wrapping_sub(column(other));
+                }
+                for i in 0..here % 5 {
+                    let more = column(i).wrapping_add(row(i as usize)[1]).wrapping_add(x);
+                    value = value.wrapping_mul(3).wrapping_add(more);
+                }
+                want.push(value);
+            }
+        }
+        let sizes = vec![width as u32, height as u32];
+        let buffers = [columns.clone(), rows.clone(), vec![0; width * height], sizes];
+        // more than there are: they return at once
+        for (isa, made) in run_rows(ACROSS, &buffers, 0, [width as u32 + 2, height as u32 + 3]) {
+            assert_eq!(made[2], want, "{isa:?}, {width} by {height}");
+        }
+    }
+}
+
+#[test]
+fn what_is_kept_of_a_buffer_is_what_it_holds() {
+    // parts one behind the other from some part on, to the end of the buffer and beyond, and in no order
+    let cases: [(usize, usize, fn(u32) -> u32); 6] = [
+        (16, 16, |y| y),
+        (16, 40, |y| y + 7),
+        (5, 9, |y| y + 2),
+        (37, 30, |y| y),
+        (64, 64, |y| y),
+        (64, 70, |y| y * 7 % 64),
+    ];
+    for (height, parts, place) in cases {
+        let places: Vec<u32> = (0..height as u32).map(place).collect();
+        let own = draws(5 * 4 * parts);
+        let element = |at: u32| {
+            let first = 4 * (at as usize).min(5 * parts - 1);
+            [0, 1, 2, 3].map(|word| own[first + word])
+        };
+        let one = |y: usize, x: u32| {
+            let at = places[y] * 5 + x;
+            let (first, second) = (element(at), element(at + 1));
+            std::array::from_fn::<u32, 4, _>(|word| first[word].wrapping_mul(3).wrapping_add(second[word]))
+        };
+        let want: Vec<u32> = (0..height).flat_map(|y| (0..4).flat_map(move |x| one(y, x))).collect();
+        let buffers = [places.clone(), own.clone(), vec![0; 16 * height]];
+        for (isa, made) in run_rows(KEPT, &buffers, 0, [4, height as u32]) {
+            assert_eq!(made[2], want, "{isa:?}, {height} of {parts} parts");
+        }
     }
 }

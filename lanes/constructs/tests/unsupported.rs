@@ -3,14 +3,14 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgsl_lanes::Isa;
-use wgsl_lanes::generate::{Arrays, Kernel, Unsupported, Written, kernels};
+use wgsl_lanes::generate::{Kernel, Options, Unsupported, Written, kernels};
 
 /// The only entry point, and the text.
 fn first(text: &str, capabilities: Capabilities) -> (Result<Kernel, Unsupported>, String) {
     let module =
         naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).unwrap();
-    let Written { text, mut kernels } = kernels(&module, &info, Isa::Portable, Arrays::Set);
+    let Written { text, mut kernels } = kernels(&module, &info, Isa::Portable, Options::default());
     (kernels.remove(0), text)
 }
 
@@ -82,7 +82,7 @@ fn what_is_refused_leaves_the_others_as_they_are() {
                 @compute @workgroup_size(64) fn written(@builtin(global_invocation_id) id: vec3<u32>) { data[id.x] = twice(id.x); }";
     let module = naga::front::wgsl::parse_str(text).unwrap();
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap();
-    let Written { text, kernels } = kernels(&module, &info, Isa::Portable, Arrays::Set);
+    let Written { text, kernels } = kernels(&module, &info, Isa::Portable, Options::default());
     let names: Vec<String> = kernels
         .iter()
         .map(|kernel| kernel.as_ref().map_or_else(|e| e.function.clone(), |k| k.name.clone()))

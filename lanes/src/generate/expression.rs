@@ -74,8 +74,11 @@ impl<'m> Writer<'m> {
                 let value = self.value(f, base)?;
                 Ok(member(self.inner_of(f, base), &value, index))
             }
-            &Expression::Access { base, index } => {
-                let (value, index) = (self.value(f, base)?, self.value(f, index)?);
+            &Expression::Access { base, index: at } => {
+                let (value, index) = (self.value(f, base)?, self.value(f, at)?);
+                if f.same.has(at) {
+                    return Ok(format!("{value}[place({index}.lane(), {value}.len())]"));
+                }
                 let inner = self.inner_of(f, base).clone();
                 self.index_value(&inner, &value, &index, mask)
             }

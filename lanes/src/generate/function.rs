@@ -130,12 +130,13 @@ impl<'m> Writer<'m> {
     ) -> Result<(), String> {
         let returns = count_returns(&body.body);
         let ends = matches!(body.body.last(), Some(Statement::Return { .. }));
+        let differs = matches!(variant.which, Which::Entry(_)).then_some(self.options.axis);
         let mut f = Function {
             variant: variant.clone(),
             body,
             info,
             scopes: scopes(body),
-            same: Same::of(self.module, body, &variant.same),
+            same: Same::of(self.module, body, &variant.same, differs),
             returns_early: returns > usize::from(ends),
             enclosing: Vec::new(),
             path: Vec::new(),

@@ -16,7 +16,7 @@ mod types;
 use crate::Isa;
 use function::Variant;
 use naga::valid::ModuleInfo;
-use naga::{AddressSpace, GlobalVariable, Handle, Module, Type, TypeInner};
+use naga::{AddressSpace, GlobalVariable, Handle, Module, StorageAccess, Type, TypeInner};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt::Write as _;
 
@@ -56,6 +56,34 @@ pub enum Arrays {
     Unset,
 }
 
+/// Along which axis of a dispatch the lanes of a vector lie. What is read by the number along the other is read once for all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Lanes have different `global_invocation_id.x`.
+    X,
+    /// Lanes have different `global_invocation_id.y`.
+    Y,
+}
+
+/// How a module is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options<'a> {
+    /// What private arrays hold at first.
+    pub arrays: Arrays,
+    /// How lanes lie.
+    pub axis: Axis,
+    /// Buffers that are only read, of which each lane reads a part of its own again and again: their names, and how many elements
+    /// such a part has. The parts of the lanes lie one behind the other. They are read once, and kept word by word.
+    pub kept: &'a [(&'a str, u32)],
+}
+
+/// As the language demands, with lanes along x.
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self { arrays: Arrays::Set, axis: Axis::X, kept: &[] }
+    }
+}
+
 /// An entry point in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kernel {
@@ -78,19 +106,19 @@ pub struct Written {
 /// module, which needs the crate `wgsl_lanes`; its functions
 ///
 /// ```text
-/// pub unsafe fn run_NAME(buffers: &[Words], immediate: u32, row: u32, invocations: Range<u32>)
+/// pub unsafe fn run_NAME(buffers: &[Words], immediate: u32, others: Range<u32>, invocations: Range<u32>)
 /// ```
 ///
-/// run the invocations of a row, `global_invocation_id.y`, whose `global_invocation_id.x` is in a range. The immediate is the
-/// module's `var<immediate>` of one word.
+/// run the invocations whose `global_invocation_id` is within `invocations` along the axis on which lanes lie, and within `others` along
+/// the other. The immediate is the module's `var<immediate>` of one word.
 ///
 /// An entry point that lanes cannot run is not in the text: one with barriers, memory of a workgroup, textures, other invocation inputs.
-pub fn kernels(module: &Module, info: &ModuleInfo, isa: Isa, arrays: Arrays) -> Written {
+pub fn kernels<'m>(module: &'m Module, info: &'m ModuleInfo, isa: Isa, options: Options<'m>) -> Written {
     let mut writer = Writer {
         module,
         info,
         isa,
-        arrays,
+        options,
         text: String::new(),
         structs: BTreeMap::new(),
         wanted: VecDeque::new(),
@@ -105,7 +133,7 @@ struct Writer<'m> {
     module: &'m Module,
     info: &'m ModuleInfo,
     isa: Isa,
-    arrays: Arrays,
+    options: Options<'m>,
     text: String,
     /// Structs that functions use, by their text.
     structs: BTreeMap<Handle<Type>, String>,
@@ -145,7 +173,11 @@ impl Writer<'_> {
                 AddressSpace::Immediate => "u32",
                 _ => continue,
             };
-            let _ = writeln!(fields, "    {}: {ty},", self.global(handle));
+            let name = self.global(handle);
+            let _ = writeln!(fields, "    {name}: {ty},");
+            if let Some(words) = self.kept_words(handle) {
+                let _ = writeln!(fields, "    kept_{name}: Kept<{words}>,");
+            }
         }
         let structs: String = self.structs.values().map(String::as_str).collect();
         format!(
@@ -167,11 +199,17 @@ impl Writer<'_> {
             match variable.space {
                 AddressSpace::Uniform | AddressSpace::Storage { .. } if is_used => {
                     let _ = write!(set, "{name}: buffers[{}], ", bindings.len());
+                    if self.kept_words(handle).is_some() {
+                        let _ = write!(set, "kept_{name}: Kept::new(), ");
+                    }
                     let is_written = info[handle].contains(naga::valid::GlobalUse::WRITE);
                     bindings.push(Binding { name: variable.name.clone().unwrap_or_default(), is_written });
                 }
                 AddressSpace::Uniform | AddressSpace::Storage { .. } => {
                     let _ = write!(set, "{name}: Words::none(), ");
+                    if self.kept_words(handle).is_some() {
+                        let _ = write!(set, "kept_{name}: Kept::new(), ");
+                    }
                 }
                 AddressSpace::Immediate => _ = write!(set, "{name}: immediate, "),
                 AddressSpace::Private => {}
@@ -194,7 +232,7 @@ impl Writer<'_> {
             let begin = format!("    let mut own_{name}: {ty} = {value};\n");
             let _ = write!(passed, "{name}, ");
             let is_array = matches!(self.module.types[variable.ty].inner, TypeInner::Array { .. });
-            if is_array && self.arrays == Arrays::Unset {
+            if is_array && self.options.arrays == Arrays::Unset {
                 kept.push_str(&begin);
                 let _ = write!(given, "&mut own_{name}, ");
                 let _ = write!(taken, "{name}: &mut {ty}, ");
@@ -207,11 +245,12 @@ impl Writer<'_> {
             self.text,
             "\n/// # Safety\n/// The machine has the instructions, and no two invocations that run at the same time use the same word\n\
              /// otherwise than by atomic operations, unless both only read it.\n\
-             {attribute}pub unsafe fn run_{name}(buffers: &[Words<'_>], immediate: u32, row: u32, invocations: std::ops::Range<u32>) {{\n    \
+             {attribute}pub unsafe fn run_{name}(buffers: &[Words<'_>], immediate: u32, others: std::ops::Range<u32>, invocations: std::ops::Range<u32>) {{\n    \
              let _ = (buffers, immediate);\n    let cx = &Cx {{ {set}buffers: std::marker::PhantomData }};\n{kept}    let mut at = invocations.start;\n    \
-             while at < invocations.end {{\n        let mask = first_lanes(invocations.end - at);\n        one_{name}(cx, {given}mask, at, row);\n        \
+             while at < invocations.end {{\n        let mask = first_lanes(invocations.end - at);\n        \
+             for other in others.clone() {{ one_{name}(cx, {given}mask, at, other); }}\n        \
              at = at.saturating_add(LANES as u32);\n    }}\n}}\n\n\
-             /// As many invocations as there are lanes.\n{attribute}fn one_{name}(cx: &Cx<'_>, {taken}mask: M, first: u32, row: u32) {{\n{made}    \
+             /// As many invocations as there are lanes.\n{attribute}fn one_{name}(cx: &Cx<'_>, {taken}mask: M, first: u32, other: u32) {{\n{made}    \
              f_{name}(cx, {passed}mask{id});\n}}\n",
         );
         self.function(&Variant::entry(index))?;
@@ -227,7 +266,10 @@ impl Writer<'_> {
         match entry.function.arguments.as_slice() {
             [] => Ok(""),
             [one] if one.binding == Some(Binding::BuiltIn(BuiltIn::GlobalInvocationId)) => {
-                Ok(", [V::count_from(first), V::c(row), V::c(0)]")
+                Ok(match self.options.axis {
+                    Axis::X => ", [V::count_from(first), V::c(other), V::c(0)]",
+                    Axis::Y => ", [V::c(other), V::count_from(first), V::c(0)]",
+                })
             }
             _ => Err("another input than one global_invocation_id".to_owned()),
         }
@@ -240,6 +282,23 @@ impl Writer<'_> {
             Isa::Avx2 => "#[target_feature(enable = \"avx2\")]\n",
             Isa::Avx512 => "#[target_feature(enable = \"avx512f,avx512bw,avx512dq,avx512vl\")]\n",
         }
+    }
+
+    /// Words of the part of a buffer that a lane keeps, if it does.
+    fn kept_words(&self, handle: Handle<GlobalVariable>) -> Option<u32> {
+        let variable = &self.module.global_variables[handle];
+        let (_, elements) =
+            self.options.kept.iter().find(|(name, _)| variable.name.as_deref() == Some(name))?;
+        match self.module.types[variable.ty].inner {
+            TypeInner::Array { stride, .. } if self.is_only_read(handle) => Some(elements * stride / 4),
+            _ => None,
+        }
+    }
+
+    /// Whether no invocation writes a buffer.
+    fn is_only_read(&self, handle: Handle<GlobalVariable>) -> bool {
+        let space = self.module.global_variables[handle].space;
+        matches!(space, AddressSpace::Storage { access } if !access.contains(StorageAccess::STORE))
     }
 
     /// Name of a global variable in the text.

@@ -138,7 +138,7 @@ impl<'m> Writer<'m> {
                 {
                     return Ok(format!("atomic_load(cx.{name}, {}, V::c(0), {mask})", span.index(0)));
                 }
-                self.fetch(&name, &span)
+                self.fetch(handle, &name, &span)
             }
             space => Err(format!("reading a variable of {space:?}")),
         }
@@ -379,7 +379,7 @@ impl<'m> Writer<'m> {
     }
 
     /// Reads a part of a buffer.
-    fn fetch(&mut self, name: &str, span: &Span) -> Result<String, String> {
+    fn fetch(&mut self, buffer: Handle<GlobalVariable>, name: &str, span: &Span) -> Result<String, String> {
         if span.by_lane.is_empty() {
             let word = |at: u32| format!("V::c(cx.{name}.word({}))", span.fixed + at);
             return self.assemble(&span.ty, 0, &word);
@@ -391,6 +391,12 @@ impl<'m> Writer<'m> {
                 "{{ let row: [V; {size}] = row_of(cx.{name}, {}.lane()); {value} }}",
                 span.index(0)
             ));
+        }
+        if self.kept_words(buffer).is_some() && size > 1 {
+            let value = self.assemble(&span.ty, 0, &|at| format!("row[{at}]"))?;
+            let read =
+                format!("cx.kept_{name}.rows::<{size}, {size}>(cx.{name}, {}, M::c(true))", span.index(0));
+            return Ok(format!("{{ let row: [V; {size}] = {read}; {value} }}"));
         }
         if size == 1 {
             return Ok(format!("word(cx.{name}, {})", span.index(0)));

@@ -1,11 +1,14 @@
-//! Values that all lanes have alike: constants, what callers pass so, counters of loops, and what follows from these.
+//! Values that all lanes have alike: constants, what callers pass so, counters of loops, what no invocation writes, and what
+//! follows from these.
 //!
 //! The counter of a loop is a variable that begins with such a value right before the loop, grows by such a value at the end
 //! of every turn, and is written nowhere else. Lanes leave a loop for good, so those in it have gone round as often, and the
 //! counter of all of them is one number. Behind the loop each lane has its own: that of the turn in which it left.
 
+use super::Axis;
 use naga::{
-    AddressSpace, Block, Expression, Handle, LocalVariable, Module, ScalarKind, Statement, TypeInner,
+    AddressSpace, Block, Expression, Handle, LocalVariable, Module, ScalarKind, Statement, StorageAccess,
+    TypeInner,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,8 +58,14 @@ struct Found {
 }
 
 impl Same {
-    /// Of a function whose arguments are the same in all lanes as `arguments` says.
-    pub(super) fn of(module: &Module, function: &naga::Function, arguments: &[bool]) -> Self {
+    /// Of a function whose arguments are the same in all lanes as `arguments` says. Those of an entry point are the number of the
+    /// invocation, of which one component differs: `differs`.
+    pub(super) fn of(
+        module: &Module,
+        function: &naga::Function,
+        arguments: &[bool],
+        differs: Option<Axis>,
+    ) -> Self {
         let mut found = Found::default();
         walk(function, &function.body, &mut Vec::new(), &mut found);
         let mut candidates: BTreeMap<_, _> = function
@@ -66,7 +75,8 @@ impl Same {
             .filter_map(|(handle, _)| Some((handle, found.candidate(function, handle)?)))
             .collect();
         loop {
-            let known = Known { module, function, arguments, found: &found, candidates: &candidates };
+            let known =
+                Known { module, function, arguments, differs, found: &found, candidates: &candidates };
             let wrong: Vec<_> = candidates
                 .iter()
                 .filter(|(_, one)| !one.values.iter().all(|value| known.is_same(*value)))
@@ -190,6 +200,7 @@ struct Known<'a> {
     module: &'a Module,
     function: &'a naga::Function,
     arguments: &'a [bool],
+    differs: Option<Axis>,
     found: &'a Found,
     candidates: &'a BTreeMap<Handle<LocalVariable>, Candidate>,
 }
@@ -200,6 +211,14 @@ impl Known<'_> {
             Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => true,
             Expression::FunctionArgument(at) => self.arguments.get(at as usize).copied().unwrap_or(false),
             Expression::Load { pointer } => self.is_same_load(value, pointer),
+            Expression::AccessIndex { base, index } => {
+                self.is_other_component(base, index) || self.is_same(base)
+            }
+            Expression::Access { base, index } => self.is_same(base) && self.is_same(index),
+            Expression::Splat { value: part, .. } | Expression::Swizzle { vector: part, .. } => {
+                self.is_same(part)
+            }
+            Expression::Compose { ref components, .. } => components.iter().all(|part| self.is_same(*part)),
             Expression::Unary { expr, .. } | Expression::As { expr, .. } => self.is_same(expr),
             Expression::Binary { left, right, .. } => self.is_same(left) && self.is_same(right),
             Expression::Select { condition, accept, reject } => {
@@ -218,16 +237,27 @@ impl Known<'_> {
                 let path = self.found.computed.get(&value);
                 path.is_some_and(|path| counter.within.iter().any(|block| path.contains(block)))
             }),
-            Expression::GlobalVariable(global) => {
-                self.module.global_variables[global].space == AddressSpace::Immediate
-            }
-            Expression::AccessIndex { base, .. } => match self.function.expressions[base] {
-                Expression::GlobalVariable(global) => {
-                    self.module.global_variables[global].space == AddressSpace::Uniform
-                }
+            _ => self.is_same_part(pointer),
+        }
+    }
+
+    /// Whether a pointer is to a part of what no invocation writes, the same part for all lanes.
+    fn is_same_part(&self, pointer: Handle<Expression>) -> bool {
+        match self.function.expressions[pointer] {
+            Expression::GlobalVariable(global) => match self.module.global_variables[global].space {
+                AddressSpace::Immediate | AddressSpace::Uniform => true,
+                AddressSpace::Storage { access } => !access.contains(StorageAccess::STORE),
                 _ => false,
             },
+            Expression::AccessIndex { base, .. } => self.is_same_part(base),
+            Expression::Access { base, index } => self.is_same(index) && self.is_same_part(base),
             _ => false,
         }
+    }
+
+    /// Whether it is a component of the invocation's number along which the lanes do not lie.
+    fn is_other_component(&self, base: Handle<Expression>, index: u32) -> bool {
+        let is_number = matches!(self.function.expressions[base], Expression::FunctionArgument(_));
+        is_number && self.differs.is_some_and(|axis| index != axis as u32)
     }
 }

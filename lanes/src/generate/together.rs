@@ -1,4 +1,4 @@
-//! What is computed between two statements. Two elements of a buffer that lie one behind the other are read together.
+//! What is computed between two statements. Elements of a buffer that lie one behind the other are read together.
 
 use super::Writer;
 use super::function::Function;
@@ -6,6 +6,9 @@ use super::place::{Root, Step};
 use naga::{AddressSpace, BinaryOperator, Expression, GlobalVariable, Handle, Literal, TypeInner};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+
+/// Elements that are read together at most.
+const MOST: usize = 4;
 
 impl<'m> Writer<'m> {
     /// Writes expressions.
@@ -15,25 +18,16 @@ impl<'m> Writer<'m> {
         expressions: &[Handle<Expression>],
         mask: &str,
     ) -> Result<(), String> {
-        let mut read = BTreeMap::new();
-        for &expression in expressions {
-            if let Some(behind) =
-                expressions.iter().find(|other| f.is_behind(self.module, expression, **other))
-            {
-                read.insert(expression, *behind);
-            }
-        }
         let mut known: BTreeMap<_, String> = BTreeMap::new();
         for &expression in expressions {
             if self.is_pointer(f, expression) {
                 continue;
             }
-            if let Some(behind) = read.get(&expression)
-                && !known.contains_key(&expression)
-                && let Some([first, second]) = self.fetch_two(f, expression, mask)?
-            {
-                known.insert(expression, first);
-                known.insert(*behind, second);
+            if !known.contains_key(&expression) {
+                let run = f.run_of(self.module, expression, expressions);
+                if run.len() > 1 {
+                    known.extend(self.fetch_run(f, &run, mask)?);
+                }
             }
             let value = match known.remove(&expression) {
                 Some(text) => text,
@@ -44,38 +38,41 @@ impl<'m> Writer<'m> {
         Ok(())
     }
 
-    /// Reads an element of a buffer and the one behind it, where these are at most four words without a gap. The text of each.
-    fn fetch_two(
+    /// Reads elements of a buffer that lie one behind the other, where these have no gaps. The text of each.
+    fn fetch_run(
         &mut self,
         f: &mut Function<'m>,
-        load: Handle<Expression>,
+        run: &[Handle<Expression>],
         mask: &str,
-    ) -> Result<Option<[String; 2]>, String> {
-        let Expression::Load { pointer } = f.body.expressions[load] else { return Ok(None) };
+    ) -> Result<Vec<(Handle<Expression>, String)>, String> {
+        let load = run[0];
+        let Expression::Load { pointer } = f.body.expressions[load] else { return Ok(Vec::new()) };
         let place = self.place(f, pointer)?;
         let (Root::Global(handle), [Step::By(_)]) = (place.root, place.steps.as_slice()) else {
-            return Ok(None);
+            return Ok(Vec::new());
         };
         let ty = self.root_type(f, place.root)?;
         let stride = match self.module.types[ty].inner {
             TypeInner::Array { stride, .. } => stride / 4,
-            _ => return Ok(None),
+            _ => return Ok(Vec::new()),
         };
         let span = self.span(ty, &place.steps)?;
         let size = self.size(&span.ty)?;
-        if size != stride || size > 2 {
-            return Ok(None);
+        if size != stride || size > 4 {
+            return Ok(Vec::new());
         }
-        let (buffer, both) = (self.global(handle), format!("both{}", load.index()));
-        let _ = writeln!(
-            f.text,
-            "let {both} = two_rows::<{size}, {}>(cx.{buffer}, {}, {mask});",
-            2 * size,
-            span.index(0)
-        );
-        let [first, second] =
-            [0, size].map(|at| self.assemble(&span.ty, at, &|word| format!("{both}[{word}]")));
-        Ok(Some([first?, second?]))
+        let (buffer, all) = (self.global(handle), format!("all{}", load.index()));
+        let count = size as usize * run.len();
+        let index = span.index(0);
+        let read = match self.kept_words(handle) {
+            Some(_) => format!("cx.kept_{buffer}.rows"),
+            None => "rows".to_owned(),
+        };
+        let _ = writeln!(f.text, "let {all} = {read}::<{size}, {count}>(cx.{buffer}, {index}, {mask});");
+        let texts = (0..).zip(run).map(|(number, element)| {
+            Ok((*element, self.assemble(&span.ty, number * size, &|word| format!("{all}[{word}]"))?))
+        });
+        texts.collect()
     }
 }
 
@@ -93,24 +90,38 @@ impl Function<'_> {
             .then_some((buffer, index))
     }
 
-    /// Whether the second expression reads the element behind the one that the first reads.
-    fn is_behind(
+    /// An expression that reads an element of a buffer, and those that read the elements behind it, in order.
+    fn run_of(
+        &self,
+        module: &naga::Module,
+        first: Handle<Expression>,
+        among: &[Handle<Expression>],
+    ) -> Vec<Handle<Expression>> {
+        let mut run = vec![first];
+        let behind = |distance| {
+            among.iter().copied().find(|other| self.distance(module, first, *other) == Some(distance))
+        };
+        run.extend((1..MOST as u32).map_while(behind));
+        run
+    }
+
+    /// How many elements behind the one that the first expression reads lies that which the second reads.
+    fn distance(
         &self,
         module: &naga::Module,
         first: Handle<Expression>,
         second: Handle<Expression>,
-    ) -> bool {
-        let [Some((buffer, index)), Some((other, next))] =
-            [first, second].map(|one| self.element_of_buffer(module, one))
-        else {
-            return false;
-        };
+    ) -> Option<u32> {
+        let (buffer, index) = self.element_of_buffer(module, first)?;
+        let (other, next) = self.element_of_buffer(module, second)?;
         let Expression::Binary { op: BinaryOperator::Add, left, right } = self.body.expressions[next] else {
-            return false;
+            return None;
         };
-        first < second
-            && buffer == other
-            && left == index
-            && self.body.expressions[right] == Expression::Literal(Literal::U32(1))
+        match self.body.expressions[right] {
+            Expression::Literal(Literal::U32(distance)) => {
+                (first < second && buffer == other && left == index).then_some(distance)
+            }
+            _ => None,
+        }
     }
 }

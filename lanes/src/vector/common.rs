@@ -169,6 +169,9 @@ macro_rules! common {
             V::iota().ult(V::c(count))
         }
 
+        /// A bit for every lane.
+        const ALL: u32 = ((1u64 << LANES) - 1) as u32;
+
         /// The lanes of a set of bits, lowest first.
         struct Bits(u32);
 
@@ -201,17 +204,75 @@ macro_rules! common {
             unsafe { gather_row(from.first(), index) }
         }
 
-        /// The `D / 2` words from each lane's index on, and those behind them, in one read where all are there.
+        /// Rows of `W` words, one behind the other, from each lane's index on: `D` words in one read where all are there.
         #[inline]
         $(#[$attr])*
-        pub fn two_rows<const W: usize, const D: usize>(from: Words<'_>, index: V, mask: M) -> [V; D] {
-            const { assert!(D == 2 * W) };
+        pub fn rows<const W: usize, const D: usize>(from: Words<'_>, index: V, mask: M) -> [V; D] {
+            const { assert!(D.is_multiple_of(W)) };
             let last = V::c(from.readable().saturating_sub(D as u32));
             if (from.readable() as usize) < D || mask.and(last.ult(index)).any() {
                 return rows_apart::<W, D>(from, index);
             }
+            let index = index.umin(last);
+            if D > 4 && !index.ieq(V::c(index.lane())).negated().any() {
+                return row_of(from, index.lane());
+            }
             // SAFETY: there are as many words, and `last` + D of them at most are read.
-            unsafe { gather_row(from.first(), index.umin(last)) }
+            unsafe { gather_row(from.first(), index) }
+        }
+
+        /// Parts of a buffer, one for each lane, which lie one behind the other: word by word, the same word of all lanes together.
+        /// Each has `N` words.
+        #[derive(Debug)]
+        pub struct Kept<const N: usize> {
+            /// Where that of the first lane begins, in words, and one more; 0: nowhere.
+            begin: std::cell::Cell<u32>,
+            words: std::cell::UnsafeCell<[V; N]>,
+        }
+
+        impl<const N: usize> Kept<N> {
+            /// Of nothing yet.
+            #[inline]
+            $(#[$attr])*
+            pub fn new() -> Self {
+                Self { begin: std::cell::Cell::new(0), words: std::cell::UnsafeCell::new([V::c(0); N]) }
+            }
+
+            /// What [`rows`] gives. Where each lane reads in a part of its own, at the same place in each, the parts are kept.
+            #[inline]
+            $(#[$attr])*
+            pub fn rows<const W: usize, const D: usize>(&self, from: Words<'_>, index: V, mask: M) -> [V; D] {
+                let first = index.lane();
+                let (begin, offset) = (first - first % N as u32, (first % N as u32) as usize);
+                let differ = index.ieq(V::c(first).iadd(V::iota().imul(V::c(N as u32)))).negated();
+                let end = u64::from(begin) + (N * LANES) as u64;
+                if offset + D > N || end > u64::from(from.readable()) || differ.any() {
+                    return rows::<W, D>(from, index, mask);
+                }
+                if self.begin.get() != begin + 1 {
+                    self.read(from, begin);
+                }
+                let mut all = [V::c(0); D];
+                let kept: *const V = self.words.get().cast();
+                for (at, value) in (offset..).zip(&mut all) {
+                    // SAFETY: only `read` writes the words, and it is done; `offset` + D are N at most. Volatile, for a copy would
+                    // be a call, and go through memory.
+                    *value = unsafe { kept.add(at).read_volatile() };
+                }
+                all
+            }
+
+            /// Keeps the parts from a word on.
+            #[inline(never)]
+            $(#[$attr])*
+            fn read(&self, from: Words<'_>, begin: u32) {
+                // SAFETY: nothing else borrows the words meanwhile.
+                let words = unsafe { &mut *self.words.get() };
+                for (offset, kept) in (begin..).zip(words) {
+                    *kept = word(from, V::c(offset).iadd(V::iota().imul(V::c(N as u32))));
+                }
+                self.begin.set(begin + 1);
+            }
         }
 
         /// The same where the end of the buffer is near: each row as far as the buffer goes.
@@ -219,11 +280,11 @@ macro_rules! common {
         #[inline(never)]
         $(#[$attr])*
         fn rows_apart<const W: usize, const D: usize>(from: Words<'_>, index: V) -> [V; D] {
-            let (first, second) = (row::<W>(from, index), row::<W>(from, index.iadd(V::c(W as u32))));
-            let mut both = [V::c(0); D];
-            both[..W].copy_from_slice(&first);
-            both[W..].copy_from_slice(&second);
-            both
+            let mut all = [V::c(0); D];
+            for (offset, words) in (0..).step_by(W).zip(all.chunks_exact_mut(W)) {
+                words.copy_from_slice(&row::<W>(from, index.iadd(V::c(offset))));
+            }
+            all
         }
 
         /// The `W` words from one index on, the same for all lanes.
@@ -231,9 +292,25 @@ macro_rules! common {
         $(#[$attr])*
         pub fn row_of<const W: usize>(from: Words<'_>, index: u32) -> [V; W] {
             let index = index.min(from.readable().saturating_sub(W as u32));
+            if (from.readable() as usize) < W {
+                return short_row(from);
+            }
             let mut row = [V::c(0); W];
             for (at, value) in (0..).zip(&mut row) {
-                *value = V::c(from.word(index + at));
+                // SAFETY: there are W words, so those up to `index` + W are.
+                *value = V::c(unsafe { from.first().add((index + at) as usize).read() });
+            }
+            row
+        }
+
+        /// A row of a buffer that has fewer words: the last one in place of those.
+        #[cold]
+        #[inline(never)]
+        $(#[$attr])*
+        fn short_row<const W: usize>(from: Words<'_>) -> [V; W] {
+            let mut row = [V::c(0); W];
+            for (at, value) in (0..).zip(&mut row) {
+                *value = V::c(from.word(at));
             }
             row
         }
@@ -259,6 +336,11 @@ macro_rules! common {
         #[inline]
         $(#[$attr])*
         pub fn set_row<const W: usize>(to: Words<'_>, index: V, value: [V; W], mask: M) {
+            let last = V::c(to.len().saturating_sub(W as u32));
+            if W.is_multiple_of(4) && mask.bits() == ALL && to.len() as usize >= W && !last.ult(index).any() {
+                // SAFETY: `last` + W words at most are written; a kernel writes only what it got by `write`.
+                return unsafe { scatter_row(to.first(), index, value) };
+            }
             let index = index.to_array();
             let mut offset = 0;
             while offset + 4 <= W {
@@ -279,6 +361,28 @@ macro_rules! common {
                     to.set(index[lane].wrapping_add(offset as u32), words[lane]);
                 }
                 offset += 1;
+            }
+        }
+
+        /// Writes the words of all lanes from their indices on, four at a time.
+        ///
+        /// # Safety
+        /// They may be written.
+        #[inline]
+        $(#[$attr])*
+        unsafe fn scatter_row<const W: usize>(to: *mut u32, index: V, value: [V; W]) {
+            let index = index.to_array();
+            let mut offset = 0;
+            while offset < W {
+                let four = [value[offset], value[offset + 1], value[offset + 2], value[offset + 3]];
+                let rows = transpose(four).map(V::to_array);
+                for lane in 0..LANES {
+                    let (row, block) = (&rows[lane % 4], lane / 4 * 4);
+                    let words = [row[block], row[block + 1], row[block + 2], row[block + 3]];
+                    // SAFETY: the caller vouches for the words of each lane.
+                    unsafe { to.add(index[lane] as usize + offset).cast::<[u32; 4]>().write(words) };
+                }
+                offset += 4;
             }
         }
 

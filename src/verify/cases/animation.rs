@@ -20,7 +20,7 @@ use crate::kernels::layout::{
     Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Physique, Stance,
 };
 use crate::kernels::shared::attention::{ENGAGED, VALID};
-use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
+use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, VERTEX_STRIDE};
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::shared::standing::index::STANCES;
@@ -365,7 +365,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     store.local_rotations = vec![[NAN; 4]; (visible_capacity + 1) * POSE_STRIDE];
     store.palettes = vec![[NAN; 4]; (visible_capacity + 1) * PALETTE_STRIDE];
     store.expressions = vec![nan(); visible_capacity + 1];
-    store.skinned = vec![[NAN; 4]; (near_capacity * most_vertices + 1) * SKINNED_STRIDE];
+    store.skinned = vec![[POISON; 4]; near_capacity * most_vertices + 1];
 }
 
 /// The dispatches of the animation kernels for one frame, in order.

@@ -13,18 +13,41 @@ const FAR: f32 = 1e7;
 /// `agents` at one per `spacing`² square metres; half want to go along x, half along z. They are stored as scenes number theirs: a
 /// large crowd row by row, others in arbitrary order. They walk at 1.3 m/s. Radius 0.25 m, maximum speed 2 m/s, neighbour distance 5 m, 10 neighbours, horizon 2 s, 30 steps a second.
 pub fn crossing(agents: usize, spacing: f32) -> Store {
-    let columns = (agents as f32).sqrt().ceil() as usize;
-    let side = spacing * columns as f32;
-    let cell_size = 1.1 * spacing;
-    let cells = (side / cell_size).ceil() as u32;
-    let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
-    let jitter = (spacing - 0.5).min(0.4);
+    let mut store = walkers(agents, spacing);
+    store.step.bare = 0;
+    store.heading = vec![0.0; agents];
+    let stance = |cell| Stance { phase: hash_u32(cell), walk_weight: 1.0, stride: 1.4, ..Stance::default() };
+    store.stance = cells_of(agents).into_iter().map(stance).collect();
+    super::step::scratch(&mut store, agents);
+    store
+}
+
+/// The same agents without bodies.
+pub fn bare_crossing(agents: usize, spacing: f32) -> Store {
+    let mut store = walkers(agents, spacing);
+    super::step::scratch(&mut store, agents);
+    store
+}
+
+/// In which of the cells that the crossing begins in each agent is.
+fn cells_of(agents: usize) -> Vec<u32> {
     let mut order: Vec<u32> = (0..agents as u32).collect();
     if agents <= MOST_BY_CHANCE as usize {
         for i in (1..agents).rev() {
             order.swap(i, ((u64::from(hash_u32(i as u32 ^ 0x5bd1_e995)) * (i as u64 + 1)) >> 32) as usize);
         }
     }
+    order
+}
+
+/// Agents without bodies, and nothing that a step writes.
+fn walkers(agents: usize, spacing: f32) -> Store {
+    let columns = (agents as f32).sqrt().ceil() as usize;
+    let side = spacing * columns as f32;
+    let cell_size = 1.1 * spacing;
+    let cells = (side / cell_size).ceil() as u32;
+    let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
+    let jitter = (spacing - 0.5).min(0.4);
     let mut store = Store {
         step: StepUniforms {
             agent_count: agents as u32,
@@ -47,12 +70,13 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             collision_weight: 1.0,
             max_acceleration: 10.0,
             wrap: side,
+            bare: 1,
             ..StepUniforms::default()
         },
         stages: vec![Stage::waypoint([FAR, side * 0.5], 1.0), Stage::waypoint([side * 0.5, FAR], 1.0)],
         ..Store::default()
     };
-    for cell in order {
+    for cell in cells_of(agents) {
         let column = (cell as usize % columns) as f32 + 0.5;
         let row = (cell as usize / columns) as f32 + 0.5;
         let stream = hash_u32(3 * cell + 3) & 1;
@@ -69,16 +93,8 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
         });
         store.avoidance.push(avoidance(2.0, 5.0, 10, 0.0));
         store.elevation.push(0.0);
-        store.heading.push(0.0);
-        store.stance.push(Stance {
-            phase: hash_u32(cell),
-            walk_weight: 1.0,
-            stride: 1.4,
-            ..Stance::default()
-        });
         store.route.push(Route::new(stream, 1, true, 0));
     }
-    super::step::scratch(&mut store, agents);
     store
 }
 
@@ -99,18 +115,33 @@ pub struct CrossingQuality {
 pub fn crossing_quality(store: &Store) -> CrossingQuality {
     let side = store.step.wrap;
     let inner = |p: &[f32; 2]| p.iter().all(|c| (5.0..=side - 5.0).contains(c));
-    let chosen: Vec<usize> =
-        (0..store.step.agent_count as usize).filter(|&i| inner(&store.position[i])).collect();
-    let mut cells: std::collections::BTreeMap<(i32, i32), Vec<usize>> = std::collections::BTreeMap::new();
-    let cell = |p: [f32; 2]| (p[0].floor() as i32, p[1].floor() as i32);
-    for &i in &chosen {
-        cells.entry(cell(store.position[i])).or_default().push(i);
+    let chosen: Vec<u32> =
+        (0..store.step.agent_count).filter(|&i| inner(&store.position[i as usize])).collect();
+    // in cells of a square metre, those of one behind another
+    let columns = side as usize + 2;
+    let cell = |agent: u32| {
+        let [x, z] = store.position[agent as usize];
+        z as usize * columns + x as usize
+    };
+    let mut ends = vec![0_u32; columns * columns];
+    chosen.iter().for_each(|&i| ends[cell(i)] += 1);
+    ends.iter_mut().fold(0, |sum, end| {
+        *end += sum;
+        *end
+    });
+    let (mut begins, mut listed) = (ends.clone(), vec![0; chosen.len()]);
+    for &i in chosen.iter().rev() {
+        let begin = &mut begins[cell(i)];
+        *begin -= 1;
+        listed[*begin as usize] = i;
     }
     let mut quality = CrossingQuality { min_distance: f64::INFINITY, ..CrossingQuality::default() };
     for &i in &chosen {
-        let (cx, cz) = cell(store.position[i]);
-        for neighbour in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| (cx + dx, cz + dz))) {
-            for &j in cells.get(&neighbour).into_iter().flatten().filter(|&&j| j > i) {
+        let here = cell(i);
+        for neighbour in (here - columns - 1..).step_by(columns).take(3).flat_map(|left| left..left + 3) {
+            let those = begins[neighbour] as usize..ends[neighbour] as usize;
+            for &j in listed[those].iter().filter(|&&j| j > i) {
+                let [i, j] = [i, j].map(|agent| agent as usize);
                 let (a, b) = (store.position[i], store.position[j]);
                 if !on_storey(&store.step, store.elevation[i], store.elevation[j]) {
                     continue;
@@ -121,6 +152,7 @@ pub fn crossing_quality(store: &Store) -> CrossingQuality {
                 quality.min_distance = quality.min_distance.min(distance);
             }
         }
+        let i = i as usize;
         quality.progress += f64::from(store.velocity[i][store.route[i].first as usize]);
     }
     let count = chosen.len().max(1) as f64;

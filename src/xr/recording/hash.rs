@@ -76,7 +76,10 @@ pub fn hash_start(crowd: &Store) -> u64 {
     let mut hash = Hash::default();
     hash.add(&state_hash(crowd).to_le_bytes());
     hash.add(bytemuck::cast_slice(&crowd.body));
-    hash.add(bytemuck::cast_slice(&crowd.avoidance));
+    // where all are alike one record counts for each
+    let each =
+        crowd.avoidance.iter().chain(std::iter::repeat_n(crowd.avoidance.last(), crowd.body.len()).flatten());
+    each.take(crowd.body.len()).for_each(|own| hash.add(bytemuck::bytes_of(own)));
     hash.add(bytemuck::cast_slice(&crowd.appearance));
     hash.add(bytemuck::cast_slice(&crowd.gaits));
     hash.add(bytemuck::cast_slice(&crowd.gait_weights));
