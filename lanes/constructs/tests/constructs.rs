@@ -566,13 +566,14 @@ fn rows_side_by_side_are_those_of_three_reads() {
             let first = 4 * (at as usize).min(length - 1);
             [0, 1, 2, 3].map(|word| given[first + word])
         };
-        let of = |at: &u32| {
+        let of = |(number, at): (usize, &u32)| {
             let [first, second, third] = [0, 1, 2].map(|behind| row(at + behind));
             let [a, b, c, d] = first;
-            let both = std::array::from_fn(|word| first[word] ^ second[word]);
+            let later = places[(number + 2).min(count - 1)];
+            let both = std::array::from_fn(|word| (first[word] ^ second[word]).wrapping_add(later));
             [third, [d, c, b, a], both].concat()
         };
-        let want: Vec<u32> = places.iter().flat_map(of).collect();
+        let want: Vec<u32> = places.iter().enumerate().flat_map(of).collect();
         expect(ROWS, &[places, given, vec![0; 12 * count]], 0, count as u32, 2, &want);
         // the last element is not there: what does not fit is dropped
         let short = want[..want.len() - 12].to_vec();
@@ -619,7 +620,8 @@ fn lanes_along_y_give_what_lanes_along_x_do() {
 #[test]
 fn what_is_kept_of_a_buffer_is_what_it_holds() {
     // parts one behind the other from some part on, to the end of the buffer and beyond, and in no order
-    let cases: [(usize, usize, fn(u32) -> u32); 6] = [
+    type Place = fn(u32) -> u32;
+    let cases: [(usize, usize, Place); 6] = [
         (16, 16, |y| y),
         (16, 40, |y| y + 7),
         (5, 9, |y| y + 2),
@@ -639,9 +641,9 @@ fn what_is_kept_of_a_buffer_is_what_it_holds() {
             let (first, second) = (element(at), element(at + 1));
             std::array::from_fn::<u32, 4, _>(|word| first[word].wrapping_mul(3).wrapping_add(second[word]))
         };
-        let want: Vec<u32> = (0..height).flat_map(|y| (0..4).flat_map(move |x| one(y, x))).collect();
-        let buffers = [places.clone(), own.clone(), vec![0; 16 * height]];
-        for (isa, made) in run_rows(KEPT, &buffers, 0, [4, height as u32]) {
+        let want: Vec<u32> = (0..height).flat_map(|y| (0..5).flat_map(move |x| one(y, x))).collect();
+        let buffers = [places.clone(), own.clone(), vec![0; 20 * height]];
+        for (isa, made) in run_rows(KEPT, &buffers, 0, [5, height as u32]) {
             assert_eq!(made[2], want, "{isa:?}, {height} of {parts} parts");
         }
     }

@@ -5,9 +5,11 @@
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let at = places[id.x];
+    let number = id.x;
+    let at = places[number];
+    let later = places[number + 2u]; // not side by side with that
     let first = given[at];
     let second = given[at + 1u];
     let third = given[at + 2u];
-    made[id.x] = array<vec4<u32>, 3>(third, first.wzyx, first ^ second);
+    made[id.x] = array<vec4<u32>, 3>(third, first.wzyx, (first ^ second) + later);
 }

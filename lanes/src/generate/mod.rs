@@ -200,7 +200,7 @@ impl Writer<'_> {
                 AddressSpace::Uniform | AddressSpace::Storage { .. } if is_used => {
                     let _ = write!(set, "{name}: buffers[{}], ", bindings.len());
                     if self.kept_words(handle).is_some() {
-                        let _ = write!(set, "kept_{name}: Kept::new(), ");
+                        let _ = write!(set, "kept_{name}: Kept::empty(), ");
                     }
                     let is_written = info[handle].contains(naga::valid::GlobalUse::WRITE);
                     bindings.push(Binding { name: variable.name.clone().unwrap_or_default(), is_written });
@@ -208,7 +208,7 @@ impl Writer<'_> {
                 AddressSpace::Uniform | AddressSpace::Storage { .. } => {
                     let _ = write!(set, "{name}: Words::none(), ");
                     if self.kept_words(handle).is_some() {
-                        let _ = write!(set, "kept_{name}: Kept::new(), ");
+                        let _ = write!(set, "kept_{name}: Kept::empty(), ");
                     }
                 }
                 AddressSpace::Immediate => _ = write!(set, "{name}: immediate, "),

@@ -234,7 +234,7 @@ macro_rules! common {
             /// Of nothing yet.
             #[inline]
             $(#[$attr])*
-            pub fn new() -> Self {
+            pub fn empty() -> Self {
                 Self { begin: std::cell::Cell::new(0), words: std::cell::UnsafeCell::new([V::c(0); N]) }
             }
 
