@@ -9,7 +9,7 @@
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;        // [bucket + 1]
 @group(0) @binding(2) var<storage, read> mesh_table: array<MeshRange>;    // [bucket]
 @group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>; // [vertex][4]
-@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][21][3] rows
+@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][22][3] rows
 @group(0) @binding(5) var<storage, read> face_moves: array<vec4<f32>>;    // [face vertex][9] m
 @group(0) @binding(6) var<storage, read> expressions: array<Expression>;  // [visible]
 @group(0) @binding(7) var<storage, read_write> skinned: array<vec4<u32>>; // [near vertex] world: bits of the position, m; packed normal

@@ -48,7 +48,8 @@ fn painted_vertex(
     let colors = colors_of(appearance[visible[bucket_start[bucket] + instance]]);
     let color = vec4<f32>(tinted(corner.color.rgb, material, colors), corner.color.a);
     let clip = view.clip_from_world[eye] * vec4<f32>(world, 1.0);
-    return PaintedVertex(clip, world, unpacked_normal(skinned[at].w), color, corner.uv, body_occlusion(vertex), material, corner.matter);
+    let normal = normalize(unpacked_normal(skinned[at].w));
+    return PaintedVertex(clip, world, normal, color, corner.uv, body_occlusion(vertex), material, corner.matter);
 }
 
 // Base colour with its texture, and the share of the pixel that is covered: 0 of holes, backs of what has one side, and what

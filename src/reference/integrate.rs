@@ -22,8 +22,10 @@ pub fn integrate(b: Slices<'_>) {
     b.cells[..CELL_WORDS * b.step.cell_count as usize].fill(0);
     b.step_count[0] = b.step.step_index + 1;
     let (step, new_velocity, agent_slot, body) = (b.step, b.new_velocity, b.agent_slot, b.body);
-    let solved =
-        |agent: usize| (agent_slot[agent] != NOBODY).then(|| new_velocity[agent_slot[agent] as usize]);
+    let solved = |agent: usize| match agent_slot[agent] {
+        NOBODY => None,
+        slot => Some(new_velocity[slot as usize]),
+    };
     if b.contents & BARE == 0 {
         let bodies = b.stance[..agents].par_iter_mut().zip(&mut b.heading[..agents]);
         let had = &b.velocity[..agents];
@@ -38,15 +40,13 @@ pub fn integrate(b: Slices<'_>) {
         .enumerate()
         .with_min_len(1024)
         .filter_map(|(agent, (position, velocity))| {
-            let v = solved(agent).unwrap_or_default();
+            *velocity = [0.0, 0.0];
+            let v = solved(agent)?;
             if !is_finite2(v) {
-                *velocity = [0.0, 0.0];
                 return Some(agent as u32);
             }
             *velocity = v;
-            if agent_slot[agent] != NOBODY {
-                go(step, position, v);
-            }
+            go(step, position, v);
             None
         })
         .min();
