@@ -21,11 +21,13 @@ const FLATTER: f32 = 1.6;       // slower people land flat sooner than they ceas
 const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side by side, share of that at rest
 // The share of a leg's length by which it is straighter for a stride shorter by its own length; knees give less at low speeds.
 const STRAIGHTER: f32 = 0.09;
-const LOWER: f32 = 0.02;        // the same for hips that are lower in a stride longer by its own length
+const LOWER: f32 = 0.05;        // the same for hips that are lower in a stride longer by its own length
 // How much steeper a foot behind stands in a stride longer than usual, share of its pitch for the excess of the square; heels
 // rise sooner, but not higher than to the steepest pitch, rad.
 const PUSHES_MORE: f32 = 0.9;
 const STEEPEST: f32 = 1.17;
+// How much farther the pelvis turns and tips in a stride longer than usual, share of what it does for the excess.
+const TURNS_MORE: f32 = 2.0;
 const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
 // Hips sink for a foot that is farther, share of a leg's length: the last degrees of a knee go by fast.
 const STRAIGHT: f32 = 0.998;
@@ -257,7 +259,8 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let right_foot = put(stepped(right, avatar, RIGHT_LEG, right_stands, stride, own.turns.y), right_off);
 
     let turn = PELVIS_STAYS * (0.5 * (own.turns.x + own.turns.y));
-    let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, short)));
+    let calms = short + TURNS_MORE * walk * min(1.0 - stride, 0.0);
+    let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, calms)));
     let lean = to_body(own.lean, faces);
     let height = rig[rows].y * UPRIGHT;
     let swing = 1.0 - short;

@@ -11,7 +11,7 @@ use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
 use crate::kernels::feet::{
     FLATTER, FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, LOWER, MOST_SUNK,
     NECK_TURNS, NOT_SEEN, PELVIS_STAYS, PUSHES_MORE, REACHES, STEEPEST, STRAIGHT, STRAIGHTER, Slices,
-    UPRIGHT,
+    TURNS_MORE, UPRIGHT,
 };
 use crate::kernels::layout::{Appearance, Stance};
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
@@ -274,7 +274,8 @@ impl Person<'_> {
         ];
 
         let turn = PELVIS_STAYS * (0.5 * (left_turn + right_turn));
-        let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, short)));
+        let calms = short + TURNS_MORE * walk * lesser(1.0 - stride, 0.0);
+        let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, calms)));
         let [leans_aside, leans_ahead] = to_body(own.lean, heading);
         let [_, rest_height, _] = joint_translation(rig, avatar, 0);
         let height = rest_height * UPRIGHT;
