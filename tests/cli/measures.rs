@@ -76,4 +76,7 @@ fn at_every_speed(found: &serde_json::Value) {
             assert_eq!(scalar(at, name), !known.contains(&(at, name.as_str())), "{name} at {speed} m/s");
         }
     }
+    // 56.7 where the pelvis turns no farther and the hips are no lower in long strides
+    let swing = speeds[2]["scalars"]["hip_range_deg"]["value"].as_f64().unwrap();
+    assert!(swing < 55.5, "thighs swing through {swing} degrees at 1.7 m/s");
 }
