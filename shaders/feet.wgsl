@@ -3,7 +3,7 @@
 // drawn the strides of the gaits; people who go slower take shorter ones, and lift and roll their feet less.
 // A foot's way is scaled about where it is when the agent stands, so that a foot on the ground still goes back as fast as the
 // ground does, and strides of no length are a stand. It turns about the heel while the toes are up, about the ball while the
-// heel is. Hips rise and fall less in shorter strides, and the pelvis swings less.
+// heel is. Hips rise and fall less in shorter strides, and the pelvis swings less. In longer ones it swings more, and hips are lower.
 //
 // A foot that stays behind (see footing) is put there, as high and as steep as the floor is. The hips go with the mean of both
 // feet. The pelvis turns half as far as the body does before the feet. The trunk leans; the head does not, but turns ahead.
