@@ -37,10 +37,16 @@ const CLOUD_BEND: f32 = 0.13;   // how much the layer of clouds bends down at th
 const CLOUD_SCALE: f32 = 1.1;   // clouds overhead, per radian
 const CLOUD_LOW: f32 = 0.02;    // noise at which clouds begin and are whole
 const CLOUD_HIGH: f32 = 0.5;
-const CLOUD_SHADE: f32 = 0.55;  // how much darker their side away from the sun is
+const CLOUD_SHADE: f32 = 0.275; // how much darker their side away from the sun is, of their slope
+const CLOUD_MIDDLE: f32 = 0.6;  // share of the middle octave's slope that counts
 
-fn cloud_noise(at: vec2<f32>) -> f32 {
-    return 0.6 * value_noise(at).x + 0.28 * value_noise(at * 2.3 + 7.1).x + 0.12 * value_noise(at * 5.1 - 3.7).x;
+// Noise of three octaves, and the slope of the broader two, y and z. The middle one is steep over less than the way that light
+// goes through a cloud, and counts for part of its slope.
+fn cloud_noise(at: vec2<f32>) -> vec3<f32> {
+    let broad = 0.6 * value_noise(at);
+    let middle = 0.28 * value_noise(at * 2.3 + 7.1);
+    let fine = 0.12 * value_noise(at * 5.1 - 3.7).x;
+    return vec3<f32>(broad.x + middle.x + fine, broad.yz + middle.yz * (2.3 * CLOUD_MIDDLE));
 }
 
 // Fair-weather clouds on a layer that bends down to the horizon, where haze takes them.
@@ -48,9 +54,9 @@ fn with_clouds(light: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     let up = max(direction.y, 0.0);
     let at = direction.xz * (CLOUD_SCALE / (up + CLOUD_BEND)) + 3.3;
     let noise = cloud_noise(at);
-    let cover = smoothstep(CLOUD_LOW, CLOUD_HIGH, noise) * smoothstep(0.03, 0.3, up);
-    let sunward = cloud_noise(at + 0.25 * view.sun_direction.xz);
-    let shade = clamp(0.5 + CLOUD_SHADE * (noise - sunward) * 2.0, 0.0, 1.0);
+    let cover = smoothstep(CLOUD_LOW, CLOUD_HIGH, noise.x) * smoothstep(0.03, 0.3, up);
+    let rise = dot(noise.yz, view.sun_direction.xz); // towards the sun: this side is the darker one
+    let shade = clamp(0.5 - CLOUD_SHADE * rise, 0.0, 1.0);
     let color = mix(0.55 * view.sky_horizon.rgb + 0.25 * view.sky_light.rgb, 0.85 * view.sun_color.rgb + 0.1, shade);
     return mix(light, color, 0.8 * cover);
 }

@@ -8,7 +8,7 @@ use glam::{Mat4, Vec3};
 /// Size of the smallest things that are left out from afar, m: windows are set back so far.
 const SMALLEST: f32 = 0.14;
 /// They are left out where they have fewer pixels than this.
-const PIXELS: f32 = 3.2;
+const PIXELS: f32 = 6.0;
 
 /// The parts of an environment.
 #[derive(Debug, Default)]
@@ -43,11 +43,15 @@ impl<'a> Sight<'a> {
         Self { eyes, focal: view.focal(rows), is_map: view.parallel }
     }
 
-    /// Whether small parts of what lies within a box cannot be seen.
-    fn is_far(&self, low: Vec3, high: Vec3) -> bool {
+    /// How far a box is from the nearer eye, m.
+    fn distance(&self, low: Vec3, high: Vec3) -> f32 {
         let off = self.eyes.iter().map(|eye| eye.distance(eye.clamp(low, high)));
-        let distance = if self.is_map { 1.0 } else { off.fold(f32::INFINITY, f32::min) };
-        SMALLEST * self.focal < PIXELS * distance
+        off.fold(f32::INFINITY, f32::min)
+    }
+
+    /// Whether small parts of what is so far away, m, cannot be seen.
+    fn is_far(&self, distance: f32) -> bool {
+        SMALLEST * self.focal < PIXELS * if self.is_map { 1.0 } else { distance }
     }
 }
 
@@ -83,11 +87,16 @@ impl Scenery {
         Some((sorted, scenery))
     }
 
-    /// The ranges of indices that are drawn, first and count: what lies in the clip space of one of these matrices.
+    /// The ranges of indices that are drawn, first and count: what lies in the clip space of one of these matrices. Things come from
+    /// near to far, so that what they hide is not shaded.
     pub(super) fn seen(&self, clip_from_world: &[Mat4], sight: &Sight<'_>) -> Vec<(u32, u32)> {
-        let way = |thing: &'_ Thing| sight.is_far(thing.low, thing.high);
-        let things = self.things.iter().flat_map(|thing| if way(thing) { &thing.far } else { &thing.near });
-        parts::seen(things.chain(&self.always), clip_from_world)
+        let mut things: Vec<(f32, &Thing)> =
+            self.things.iter().map(|thing| (sight.distance(thing.low, thing.high), thing)).collect();
+        things.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let parts = things
+            .into_iter()
+            .flat_map(|(distance, thing)| if sight.is_far(distance) { &thing.far } else { &thing.near });
+        parts::seen(parts.chain(&self.always), clip_from_world)
     }
 }
 
@@ -127,20 +136,42 @@ mod tests {
             seen(&View::mono(&camera, rows, rows), rows)
         };
         let (near, far) = ((0..9).collect::<Vec<u32>>(), vec![0, 1, 2, 6, 7, 8, 9, 10, 11]);
-        // 772 pixels a metre at a metre: 14 cm are 3.2 pixels at 33.8 m
-        assert_eq!((from(33.7, 720), from(33.9, 720)), (near.clone(), far.clone()));
-        assert_eq!((from(16.8, 360), from(17.0, 360)), (near.clone(), far.clone()), "a smaller picture");
-        // a map of 20 m has 36 pixels a metre, one of 60 m 12
+        // 772 pixels a metre at a metre: 14 cm are 6 pixels at 18 m
+        assert_eq!((from(17.9, 720), from(18.1, 720)), (near.clone(), far.clone()));
+        assert_eq!((from(8.9, 360), from(9.1, 360)), (near.clone(), far.clone()), "a smaller picture");
+        // a map of 16 m has 45 pixels a metre, one of 60 m 12
         let map = |height| seen(&View::mono(&Camera::top(Vec2::new(1.0, 0.0), height), 720, 720), 720);
-        assert_eq!((map(20.0), map(60.0)), (near, far));
+        assert_eq!((map(16.0), map(60.0)), (near, far));
     }
 
     #[test]
     fn the_nearer_of_two_eyes_says_how_far_a_thing_is() {
         let eyes = [Vec3::ZERO, Vec3::X * 10.0];
         let sight = |eyes| Sight { eyes, focal: 772.0, is_map: false };
-        let (low, high) = (Vec3::new(40.0, -1.0, -1.0), Vec3::new(50.0, 1.0, 1.0));
-        assert!(sight(&eyes[..1]).is_far(low, high) && !sight(&eyes).is_far(low, high));
+        let far = |sight: Sight<'_>| {
+            sight.is_far(sight.distance(Vec3::new(25.0, -1.0, -1.0), Vec3::new(35.0, 1.0, 1.0)))
+        };
+        assert!(far(sight(&eyes[..1])) && !far(sight(&eyes)));
+    }
+
+    #[test]
+    fn near_things_are_drawn_before_far_ones() {
+        let (corners, indices, _, _) = three();
+        let corner = |index: u32| corners[index as usize];
+        // two things, each drawn the same way near and far, and the first triangle always
+        let distant = vec![Distant { near: 3..6, far: 0..3 }, Distant { near: 6..9, far: 3..6 }];
+        let (sorted, scenery) = Scenery::new(corner, &indices, &indices[3..9], &distant).unwrap();
+        let order = |x: f32| {
+            let camera = Camera::user_eyes(Vec3::new(x, 0.5, -6.0), 0.0, 0.0);
+            let view = View::mono(&camera, 720, 720);
+            let ranges = scenery.seen(&view.clip_from_world[..1], &Sight::of(&view, 720));
+            ranges
+                .iter()
+                .flat_map(|(first, count)| sorted[*first as usize..(*first + *count) as usize].to_vec())
+                .collect::<Vec<u32>>()
+        };
+        assert_eq!(order(0.5), [3, 4, 5, 6, 7, 8, 0, 1, 2]);
+        assert_eq!(order(3.0), [6, 7, 8, 3, 4, 5, 0, 1, 2]);
     }
 
     #[test]

@@ -145,7 +145,7 @@ fn far_bodies_are_held_as_their_emotion_walks() {
             ..EnvironmentMesh::default()
         };
         let mut show = Show::new(&mut simulation, &meshes, &plane, Settings::sized(W, H), None).unwrap();
-        show.set_level_distances([1.0, 4.0, 2000.0]);
+        show.set_level_distances([1.0, 2.0, 2000.0]);
         let eyes = Vec3::new(middle, 6.0, middle + 36.0);
         let camera = Camera::look_at(eyes, Vec3::new(middle, 1.0, middle), Vec3::Y).with_fov(0.2);
         let image = show.draw(&mut simulation, &View::mono(&camera, W, H), eyes).unwrap();

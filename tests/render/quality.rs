@@ -165,7 +165,7 @@ fn surface(mesh: &EnvironmentMesh) -> Surface<'_> {
 #[test]
 fn scenery_is_as_fine_as_pictures_of_a_quality_have_room_for() {
     for quality in ALL {
-        let scene = Scene::load("parking").unwrap().build().unwrap();
+        let scene = Scene::load("garden").unwrap().build().unwrap();
         let settings = Settings { quality, ..Settings::sized(W, H) };
         let Some(mut stage) = gpu::on_device(Stage::new(scene, settings)) else { return };
         let camera = stage.camera(CameraChoice::Eyes, 0.0).unwrap();

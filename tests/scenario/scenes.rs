@@ -461,10 +461,14 @@ fn sane(mesh: &EnvironmentMesh, name: &str) -> usize {
 }
 
 #[test]
-fn from_afar_houses_have_their_size_and_two_fifths_of_their_triangles() {
+fn from_afar_houses_and_cars_have_their_size_and_two_fifths_of_their_triangles() {
     for scenario in scenes(&[1000]) {
         let mesh = scenario.geometry().scenery_of(Finish::Fine);
-        let has_any = scenario.environment.props.iter().any(|prop| prop.kind == PropKind::Building);
+        let has_any = scenario
+            .environment
+            .props
+            .iter()
+            .any(|prop| matches!(prop.kind, PropKind::Building | PropKind::Car));
         assert!(!has_any || !mesh.distant.is_empty(), "{}", label(&scenario));
         let (mut near_count, mut far_count) = (0, 0);
         for thing in &mesh.distant {

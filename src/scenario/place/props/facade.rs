@@ -71,7 +71,6 @@ pub(super) fn building(b: &mut Builder<'_>, size: Vec3, look: &Look) {
         return;
     }
     let wall = look.pick(0, &WALLS);
-    b.of(Material::Plaster).block(Vec3::ZERO, size - v(2.0 * CORE, 0.3, 2.0 * CORE), wall * 0.5);
     for side in 0..4_u8 {
         let (wide, deep) = if side % 2 == 0 { (size.x, size.z) } else { (size.z, size.x) };
         let side_look = look.seen_at(side);
@@ -92,6 +91,8 @@ pub(super) fn building(b: &mut Builder<'_>, size: Vec3, look: &Look) {
         }
     }
     roof(b, size, wall, look);
+    // last: what stands before it hides nearly all of it
+    b.of(Material::Plaster).block(Vec3::ZERO, size - v(2.0 * CORE, 0.3, 2.0 * CORE), wall * 0.5);
 }
 
 fn made_of(look: &Look) -> Material {

@@ -50,10 +50,10 @@ impl Look {
         Self { id, detail: Detail::Full, is_far: false, eye: Vec2::ZERO, hidden: [false; 4] }
     }
 
-    /// How a prop looks from afar, if that spares much: a fine house.
+    /// How a prop looks from afar, if that spares much: a fine house or car.
     pub(crate) fn seen_from_afar(self, prop: &Prop) -> Option<Self> {
-        let is_house = prop.kind == PropKind::Building;
-        (is_house && self.is_fine()).then_some(Self { is_far: true, ..self })
+        let is_rich = matches!(prop.kind, PropKind::Building | PropKind::Car);
+        (is_rich && self.is_fine()).then_some(Self { is_far: true, ..self })
     }
 
     pub(super) fn is_fine(&self) -> bool {

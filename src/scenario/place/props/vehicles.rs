@@ -9,6 +9,7 @@ pub(super) const PAINTS: [u32; 8] =
     [0xb3282d, 0x1f4e8c, 0xd9d9d6, 0x2b2d31, 0x8c9299, 0x3e6b4b, 0xe0c04a, 0x5a2a3c];
 const RUBBER: u32 = 0x0017_181a;
 const GLASS: u32 = 0x0022_303c;
+const PLATE: u32 = 0x00e8_e6d8;
 /// Radius of a wheel, and how much more its arch has, m.
 const WHEEL: f32 = 0.32;
 const ARCH: f32 = 0.045;
@@ -92,11 +93,16 @@ fn shaped(b: &mut Builder<'_>, size: Vec3, look: &Look) {
     let rings: Vec<Vec<Vec3>> = BODY.iter().map(ring).collect();
     b.loft(&rings, paint);
     cabin(b, size, paint);
-    trim(b, size, paint);
+    trim(b, size, paint, look);
     b.of(Material::Plain);
     for z in [-0.3, 0.31] {
         for side in [-1.0_f32, 1.0] {
             let at = v(side * 0.44 * size.x, WHEEL, z * size.z);
+            if look.is_far {
+                b.wheel(at, WHEEL, 0.128 * size.x, 10, srgb(RUBBER));
+                b.wheel(at + Vec3::X * (side * 0.018), 0.2, 0.128 * size.x, 6, srgb(0xa9adb2));
+                continue;
+            }
             b.wheel(at + Vec3::Y * ARCH, WHEEL + ARCH, 0.128 * size.x, 18, srgb(0x0b0b0c));
             b.wheel(at + Vec3::X * (side * 0.012), WHEEL, 0.128 * size.x, 18, srgb(RUBBER));
             b.wheel(at + Vec3::X * (side * 0.018), 0.2, 0.128 * size.x, 14, srgb(0xa9adb2));
@@ -139,14 +145,17 @@ fn cabin(b: &mut Builder<'_>, size: Vec3, paint: Vec3) {
     }
 }
 
-/// Lights, bumpers, plates, mirrors, handles.
-fn trim(b: &mut Builder<'_>, size: Vec3, paint: Vec3) {
+/// Lights, bumpers, plates, mirrors, handles; from afar lights and bumpers.
+fn trim(b: &mut Builder<'_>, size: Vec3, paint: Vec3, look: &Look) {
     let (w, h, l) = (size.x, size.y, size.z);
     b.of(Material::Plain);
     for side in [-1.0_f32, 1.0] {
         let x = side * w;
         b.block(v(0.27 * x, 0.33 * h, 0.5 * l - 0.03), v(0.17 * w, 0.1, 0.1), v(0.95, 0.95, 0.9));
         b.block(v(0.35 * x, 0.47 * h, -0.487 * l), v(0.17 * w, 0.1, 0.1), v(0.55, 0.02, 0.02));
+        if look.is_far {
+            continue;
+        }
         b.block(v(0.53 * x, 0.66 * h, 0.16 * l), v(0.09 * w, 0.11, 0.1), paint * 0.9);
         b.block(v(0.497 * x, 0.53 * h, -0.02 * l), v(0.02, 0.03, 0.16), paint * 0.6);
         // the joint of the doors
@@ -155,9 +164,14 @@ fn trim(b: &mut Builder<'_>, size: Vec3, paint: Vec3) {
         }
         b.block(v(0.488 * x, 0.2, 0.0), v(0.03, 0.07, 0.42 * l), srgb(0x1e2022));
     }
-    for (z, plate) in [(0.5, 0xe8e6d8), (-0.5, 0xe8e6d8)] {
+    for z in [0.5, -0.5] {
         b.block(v(0.0, 0.27, z * l * 0.975), v(0.7 * w, 0.12, 0.1), srgb(0x232528));
-        b.block(v(0.0, 0.36, z * l * 0.992), v(0.5, 0.11, 0.03), srgb(plate));
+    }
+    if look.is_far {
+        return;
+    }
+    for z in [0.5, -0.5] {
+        b.block(v(0.0, 0.36, z * l * 0.992), v(0.5, 0.11, 0.03), srgb(PLATE));
     }
     b.block(v(0.0, 0.33 * h, 0.5 * l - 0.02), v(0.32 * w, 0.08, 0.06), srgb(0x15171a));
 }
