@@ -65,13 +65,9 @@ fn grown(placed: Placed, own: Outfit, tailored: u32) -> vec3<f32> {
     return placed.world + placed.normal * growth_of(own, tailored);
 }
 
-// In clip space; all corners of what is not worn in one point, which has no area.
-fn clipped(world: vec3<f32>, own: Outfit, tailored: u32, eye: u32) -> vec4<f32> {
-    if is_left_out(own, tailored) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
-    }
-    return view.clip_from_world[eye] * vec4<f32>(world, 1.0);
-}
+// All corners of what is not worn are in one point, in clip space, and have no area. Such a vertex needs nothing else: of a body's
+// vertices about half are not worn.
+const NOWHERE = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
 // At the middle of a pixel that a thin triangle covers beside it, its colours and normals would lie far outside of it.
 struct CrowdVertex {
@@ -87,12 +83,18 @@ fn crowd_vertex(
     @builtin(instance_index) instance: u32,
     @builtin(view_index) eye: u32,
 ) -> CrowdVertex {
-    let placed = place(vertex, instance);
     let agent = agent_of(instance);
     let own = outfit_of(agent);
     let tailored = tailoring_of(vertex);
+    if is_left_out(own, tailored) {
+        var none = CrowdVertex();
+        none.clip = NOWHERE;
+        return none;
+    }
+    let placed = place(vertex, instance);
     let world = grown(placed, own, tailored);
-    return CrowdVertex(clipped(world, own, tailored, eye), world, placed.normal, agent_color(vertex, agent, own));
+    let clip = view.clip_from_world[eye] * vec4<f32>(world, 1.0);
+    return CrowdVertex(clip, world, placed.normal, agent_color(vertex, agent, own));
 }
 
 @fragment
@@ -129,13 +131,18 @@ fn crowd_fine_vertex(
     @builtin(instance_index) instance: u32,
     @builtin(view_index) eye: u32,
 ) -> FineVertex {
-    let placed = place(vertex, instance);
     let agent = agent_of(instance);
     let own = outfit_of(agent);
     let tailored = tailoring_of(vertex);
+    if is_left_out(own, tailored) {
+        var none = FineVertex();
+        none.clip = NOWHERE;
+        return none;
+    }
+    let placed = place(vertex, instance);
     let world = grown(placed, own, tailored);
     return FineVertex(
-        clipped(world, own, tailored, eye),
+        view.clip_from_world[eye] * vec4<f32>(world, 1.0),
         world,
         placed.normal,
         agent_color(vertex, agent, own),
@@ -177,7 +184,7 @@ fn crowd_near_fine_fragment(in: FineVertex, @builtin(view_index) eye: u32) -> @l
 @vertex
 fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
     if is_left_out(outfit_of(agent_of(instance)), tailoring_of(vertex)) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+        return NOWHERE;
     }
     return view.shadow_from_world * vec4<f32>(pose(vertex, instance).world, 1.0);
 }
@@ -191,7 +198,7 @@ fn crowd_near_shadow(
     let own = outfit_of(agent_of(instance));
     let tailored = tailoring_of(vertex);
     if is_left_out(own, tailored) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+        return NOWHERE;
     }
     return view.shadow_from_world * vec4<f32>(grown(place(vertex, instance), own, tailored), 1.0);
 }

@@ -77,11 +77,6 @@ const UNEVEN_PANE: f32 = 0.02; // slope of one pane against the next
 const HEADER: u32 = 5u;
 const FLOOR_HEIGHT: f32 = 0.3; // what lies higher is no ground, m
 
-fn ground_cell(column: u32, row: u32) -> f32 {
-    let index = row * ground_map[3] + column;
-    return f32((ground_map[HEADER + (index >> 2u)] >> (8u * (index & 3u))) & 255u) / 255.0;
-}
-
 // Share of the sky that walls and props take from the ground.
 fn ground_shade(place: vec2<f32>) -> f32 {
     let columns = ground_map[3];
@@ -94,11 +89,9 @@ fn ground_shade(place: vec2<f32>) -> f32 {
     }
     let cell = floor(at);
     let part = at - cell;
-    let column = u32(cell.x);
-    let row = u32(cell.y);
-    let near = mix(ground_cell(column, row), ground_cell(column + 1u, row), part.x);
-    let far = mix(ground_cell(column, row + 1u), ground_cell(column + 1u, row + 1u), part.x);
-    return mix(near, far, part.y);
+    let corners = unpack4x8unorm(ground_map[HEADER + u32(cell.y) * columns + u32(cell.x)]);
+    let sides = mix(corners.xz, corners.yw, part.x);
+    return mix(sides.x, sides.y, part.y);
 }
 
 // Share of the sky that reaches a place.

@@ -101,8 +101,7 @@ struct Detail {
 fn lattice(x: u32, y: u32) -> f32 {
     var mixed = (x * 0x9e3779b1u) ^ (y * 0x85ebca77u);
     mixed = (mixed ^ (mixed >> 15u)) * 0x2c1b3c6du;
-    // 24 bits: as signed ones they are converted at once
-    return f32(bitcast<i32>((mixed ^ (mixed >> 13u)) >> 8u)) * (1.0 / 16777216.0);
+    return f32((mixed ^ (mixed >> 13u)) >> 8u) * (1.0 / 16777216.0);
 }
 
 // Value noise, -1 to 1 over a grid of side 1, with its slope in y and z.

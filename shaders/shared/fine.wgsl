@@ -35,30 +35,29 @@ fn soft_samples(map: f32, place: vec2<f32>, depth: f32) -> f32 {
 }
 
 // 1 in the sun, 0 in the shadow: by the finer map near the eye, as far as that reaches.
-// One map is read, and both only where one passes into the other. It is a loop: a device without branches, as software is,
-// would read both everywhere.
 fn soft_sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
     let off = lift_off(normal) * (lift * select(1.0, OUTER_LIFT, view.quality >= HIGH));
-    var is_near = false;
-    if view.near_shadow.z > 0.0 {
-        let finer = view.near_shadow.z;
-        is_near = within((to_shadow(world + off / finer).xy - view.near_shadow.xy) * finer, NEAR_EDGE) > 0.0;
-    }
-    var lit = 0.0;
-    var untold = 1.0; // the share of the light of which no map has told
-    loop {
-        let finer = select(1.0, view.near_shadow.z, is_near);
+    let finer = view.near_shadow.z;
+    var near = 0.0;
+    var close = 0.0;
+    if finer > 0.0 {
         let clip = to_shadow(world + off / finer);
-        let place = (clip.xy - select(vec2<f32>(0.0), view.near_shadow.xy, is_near)) * finer;
-        let told = untold * clamp(within(place, select(SHADOW_EDGE, NEAR_EDGE, is_near)), 0.0, 1.0);
-        lit += told * soft_samples(select(WHOLE_MAP, NEAR_MAP, is_near), place, clip.z);
-        untold -= told;
-        if !is_near || untold <= 0.0 {
-            break;
+        let place = (clip.xy - view.near_shadow.xy) * finer;
+        near = clamp(within(place, NEAR_EDGE), 0.0, 1.0);
+        if near > 0.0 {
+            close = soft_samples(NEAR_MAP, place, clip.z);
         }
-        is_near = false;
     }
-    return lit + untold;
+    if near >= 1.0 {
+        return close;
+    }
+    let clip = to_shadow(world + off);
+    let left = clamp(within(clip.xy, SHADOW_EDGE), 0.0, 1.0);
+    var far = 1.0;
+    if left > 0.0 {
+        far = mix(1.0, soft_samples(WHOLE_MAP, clip.xy, clip.z), left);
+    }
+    return mix(far, close, near);
 }
 
 // Share of the light that a surface mirrors, by the cosine of the angle to its normal (Schlick 1994). What mirrors little face

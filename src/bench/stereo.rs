@@ -76,7 +76,7 @@ pub(super) fn stereo(
     let mut show = |settings| Show::new(&mut simulation, &meshes, &scenery, settings, device).map(Box::new);
     let mut without_far = show(full)?;
     let [first, second, farthest] = LEVEL_DISTANCES;
-    let ([.., far_begins], _) = level_distances(&both, EYE.1, [first, second, f32::MAX, 0.0]);
+    let ([.., far_begins], _) = level_distances(&both, &full, [first, second, f32::MAX, 0.0]);
     without_far.set_level_distances([first, second, far_begins]);
     let mut few_pixels = show(Settings { width: EYE.0 / FEWER, height: EYE.1 / FEWER, ..full })?;
     #[allow(clippy::cast_precision_loss, reason = "a small number")]

@@ -19,7 +19,8 @@ const FOOT: f32 = 0.55;
 const REACH: f32 = 0.8;
 
 /// The map as `shaders/draw/environment.wgsl` reads it: bits of the corner's x and z, m, and of cells a metre; columns; rows;
-/// then the cells row by row, four to a word, 255 for all of the sky taken.
+/// then the cells row by row. A cell's word has, from the lowest byte up, itself, the next one, and the same of the next row: what a
+/// place between them needs. 255 is all of the sky taken.
 pub(super) fn bake(vertices: &[PackedVertex], indices: &[u32]) -> Vec<u32> {
     let standing = standing(vertices, indices);
     let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
@@ -129,9 +130,10 @@ impl Map {
         let floats = [self.low.x, self.low.y, 1.0 / self.cell].map(f32::to_bits);
         let sides = [self.columns as u32, self.rows as u32];
         let mut words = [&floats[..], &sides[..]].concat();
-        words.extend(self.taken.chunks(4).map(|four| {
-            let bytes = four.iter().enumerate().map(|(i, taken)| ((taken * 255.0).round() as u32) << (8 * i));
-            bytes.fold(0, |word, byte| word | byte)
+        let byte = |index: usize| self.taken.get(index).map_or(0, |taken| (taken * 255.0).round() as u8);
+        words.extend((0..self.taken.len()).map(|cell| {
+            let next = cell + self.columns;
+            u32::from_le_bytes([cell, cell + 1, next, next + 1].map(byte))
         }));
         words
     }
@@ -147,8 +149,7 @@ mod tests {
         let [x, z, per_metre] = [map[0], map[1], map[2]].map(f32::from_bits);
         let at = (place - Vec2::new(x, z)) * per_metre;
         let index = at.y as u32 * map[3] + at.x as u32;
-        let word = map[5 + index as usize / 4];
-        (word >> (8 * (index % 4)) & 255) as f32 / 255.0
+        (map[5 + index as usize] & 255) as f32 / 255.0
     }
 
     fn wall(layer: f32, low: f32) -> (Vec<PackedVertex>, Vec<u32>) {
@@ -168,6 +169,18 @@ mod tests {
         assert!(shades[3] < 0.05, "{shades:?}");
         let before = taken(&map, Vec2::new(0.0, 2.4));
         assert!((before - shades[1]).abs() < 0.15, "{before} {shades:?}");
+    }
+
+    #[test]
+    fn a_word_has_its_cell_and_the_three_behind_it() {
+        let (vertices, indices) = wall(0.0, 0.0);
+        let map = bake(&vertices, &indices);
+        let (columns, cells) = (map[3] as usize, &map[5..]);
+        let own = |cell: usize| cells[cell] & 255;
+        for cell in 0..cells.len() - columns - 1 {
+            let four = [cell, cell + 1, cell + columns, cell + columns + 1].map(|other| own(other) as u8);
+            assert_eq!(cells[cell].to_le_bytes(), four, "cell {cell}");
+        }
     }
 
     #[test]

@@ -82,6 +82,14 @@ pub enum Quality {
 }
 
 impl Quality {
+    /// How far away bodies become coarser, as a share of where they do at high quality.
+    pub(super) const fn reach(self) -> Reach {
+        match self {
+            Self::Low | Self::Medium => Reach { first: 0.75, second: 0.6, posed: 0.75 },
+            Self::High => Reach { first: 1.0, second: 1.0, posed: 1.0 },
+        }
+    }
+
     /// The scenery that its pictures have room for.
     #[doc(hidden)]
     pub const fn finish(self) -> Finish {
@@ -90,6 +98,14 @@ impl Quality {
             Self::Medium | Self::High => Finish::Fine,
         }
     }
+}
+
+/// Shares of the distances at which the first two levels of bodies end, and at which bodies with a pose do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reach {
+    pub(super) first: f32,
+    pub(super) second: f32,
+    pub(super) posed: f32,
 }
 
 /// Text that is no [`Quality`].

@@ -27,8 +27,8 @@ const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
 const PERSON: f32 = 1.7;
 /// Pixels of a metre at a metre's distance in frames of 720 rows and 50 degrees, for which the level distances are meant.
 const FULL_FOCAL: f32 = 772.0;
-/// In larger frames the levels change so many times as far away at most.
-const FARTHEST: f32 = 2.0;
+/// In larger frames the levels change at most so many times as far away.
+const LARGEST: f32 = 2.0;
 /// Agents nearer than this have a pose, however small the image, m: lod3 and lod4 bodies do not gaze.
 const POSED: f32 = 20.0;
 /// Agents nearer than this are drawn in the finest level, which fades near the eyes, however small the image, m.
@@ -209,8 +209,8 @@ impl Show {
     }
 
     /// Distances at which levels of detail end, and at which agents are no longer drawn, m: `[first, second, farthest]`.
-    /// They hold for an image of 720 rows and 50 degrees; in smaller images the levels come nearer, in larger ones they are up to
-    /// twice as far. The distance of lod3 follows the second (see [`bodies::LEVEL_DISTANCES`]).
+    /// They hold for an image of 720 rows, 50 degrees and high quality. In smaller images and those of less quality the levels come
+    /// nearer, in larger ones they are up to twice as far. The distance of lod3 follows the second (see [`bodies::LEVEL_DISTANCES`]).
     pub fn set_level_distances(&mut self, [first, second, farthest]: [f32; 3]) {
         self.frame.level_distance = [first, second, farthest, 0.0];
     }
@@ -331,7 +331,7 @@ impl Show {
         }
         self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
         let (level_distance, lod4) =
-            level_distances(view, self.renderer.settings().height, self.frame.level_distance);
+            level_distances(view, self.renderer.settings(), self.frame.level_distance);
         self.renderer.third_begins = level_distance[1];
         FrameUniforms {
             level_distance,
@@ -373,25 +373,30 @@ impl Show {
     }
 }
 
-/// Level distances `[first, second, farthest, lod3]` of a view in an image of so many rows, and that of lod4, m.
+/// Level distances `[first, second, farthest, lod3]` of a view in an image with these settings, and that of lod4, m.
 ///
-/// The first two are meant for frames of [`FULL_FOCAL`]. In others the levels come nearer or, up to [`FARTHEST`], go farther, so that
-/// people are as many pixels high where they change. Lod3 begins where people are [`FAR_PIXELS`] high, lod4 at [`SPECK_PIXELS`];
+/// The first two are meant for frames of [`FULL_FOCAL`] of high quality; in others the levels come nearer (see
+/// [`super::settings::Quality`]). In
+/// smaller frames they come nearer too, and in larger ones they go farther, up to [`LARGEST`] times, so that people are as many
+/// pixels high where they change. Lod3 begins where people are [`FAR_PIXELS`] high, lod4 at [`SPECK_PIXELS`];
 /// both come nearer as the second level does. On a map no agent (0) or every agent has them.
 pub(crate) fn level_distances(
     view: &View,
-    height: u32,
+    settings: &Settings,
     [first, second, farthest, _]: [f32; 4],
 ) -> ([f32; 4], f32) {
-    let focal = view.focal(height);
+    let focal = view.focal(settings.height);
     if view.parallel {
         let all_below = |pixels| if PERSON * focal < pixels { f32::MIN_POSITIVE } else { 0.0 };
         return ([first, second, farthest, all_below(FAR_PIXELS)], all_below(SPECK_PIXELS));
     }
-    let share = (focal / FULL_FOCAL).min(FARTHEST);
-    let scaled = [(first * share).max(first.min(LEAST)), (second * share).max(second.min(LEAST))];
-    let far = (PERSON * focal / FAR_PIXELS * (second / LEVEL_DISTANCES[1])).max(scaled[1]).max(POSED);
-    ([scaled[0], scaled[1], farthest, far], far * (FAR_PIXELS / SPECK_PIXELS))
+    let share = (focal / FULL_FOCAL).min(LARGEST);
+    let reach = settings.quality.reach();
+    let scaled = |distance: f32, reach: f32| (distance * share * reach).max(distance.min(LEAST));
+    let (near, middle) = (scaled(first, reach.first), scaled(second, reach.second));
+    let high = |pixels: f32| PERSON * focal / pixels * (second / LEVEL_DISTANCES[1]);
+    let far = (high(FAR_PIXELS) * reach.posed).max(middle).max(POSED);
+    ([near, middle, farthest, far], high(SPECK_PIXELS).max(far))
 }
 
 /// A distance within which no more than `count` agents stand, measured as `cull` does, m.
@@ -435,13 +440,18 @@ pub(super) fn check(words: &Store) -> Result<(), crate::Error> {
 #[allow(clippy::float_cmp, reason = "limits are exact")]
 mod tests {
     use super::*;
-    use crate::render::Camera;
+    use crate::render::{Camera, Quality};
 
     #[test]
     fn levels_change_where_people_have_the_same_height_in_pixels_whatever_the_picture() {
         let camera = Camera::user_eyes(Vec3::Y, 0.0, 0.0);
         let full = [8.0, 20.0, 2000.0, 0.0];
-        let at = |height: u32| level_distances(&View::mono(&camera, height, height), height, full).0;
+        let [at, of_medium] = [Quality::High, Quality::Medium].map(|quality| {
+            move |rows| {
+                let settings = Settings { quality, ..Settings::sized(rows, rows) };
+                level_distances(&View::mono(&camera, rows, rows), &settings, full).0
+            }
+        });
         let [first, second, farthest, far] = at(720);
         assert!((first - 8.0).abs() < 0.01 && (second - 20.0).abs() < 0.01 && farthest == 2000.0);
         assert!((far - 82.0).abs() < 0.5, "{far}: 1.7 m of 772 pixels a metre are 16 there");
@@ -451,15 +461,19 @@ mod tests {
         assert!((large[0] - 16.0).abs() < 0.02 && (large[1] - 40.0).abs() < 0.02, "{large:?}");
         assert_eq!(at(4320)[..2], [16.0, 40.0], "and no farther");
         assert!((large[3] - far * 2.0).abs() < 0.1);
+        let medium = of_medium(720);
+        assert!((medium[0] - 6.0).abs() < 0.01 && (medium[1] - 12.0).abs() < 0.01, "{medium:?}");
+        assert!(medium[2] == farthest && (medium[3] - 0.75 * far).abs() < 0.01, "{medium:?}");
         assert_eq!((at(8)[0], at(8)[3]), (LEAST, POSED));
         // the governor brings the far bodies nearer together with the second level
         let view = View::mono(&camera, 720, 720);
-        let (poor, lod4) = level_distances(&view, 720, [4.0, 10.0, 900.0, 0.0]);
+        let sized = Settings { quality: Quality::High, ..Settings::sized(720, 720) };
+        let (poor, lod4) = level_distances(&view, &sized, [4.0, 10.0, 900.0, 0.0]);
         assert!((lod4 - poor[3] * 16.0 / 7.0).abs() < 0.1);
         assert!((poor[3] - far / 2.0).abs() < 0.1);
         // a map: all agents or none
         let map =
-            |height| level_distances(&View::mono(&Camera::top(Vec2::ZERO, height), 720, 720), 720, full);
+            |height| level_distances(&View::mono(&Camera::top(Vec2::ZERO, height), 720, 720), &sized, full);
         let all = f32::MIN_POSITIVE;
         let of = |height| (map(height).0[3], map(height).1);
         assert_eq!((of(20.0), of(100.0), of(400.0)), ((0.0, 0.0), (all, 0.0), (all, all)));

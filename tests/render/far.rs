@@ -76,7 +76,7 @@ fn all_twenty_thousand_are_drawn_most_of_them_without_a_pose() {
 fn where_far_bodies_begin_the_picture_hardly_changes() {
     let Some((mut simulation, mut show, user)) = crossing(3_000) else { return };
     simulation.step(30).unwrap();
-    let camera = Camera::look_at(user + Vec3::new(0.0, 12.0, 25.0), user - Vec3::Z * 15.0, Vec3::Y);
+    let camera = Camera::look_at(user + Vec3::new(0.0, 8.0, 2.0), user - Vec3::Z * 15.0, Vec3::Y);
     let view = View::mono(&camera, W, H);
     let mut draw = |simulation: &mut Simulation, distances: [f32; 3]| {
         show.set_level_distances(distances);

@@ -74,8 +74,6 @@ impl Measures {
             skull.peak(out, &head);
             out.wear(BRIM, false);
             skull.brim(out, &head);
-        }
-        if level == 0 {
             out.wear(GLASSES, false);
             skull.glasses(out, &head);
         }
@@ -263,12 +261,14 @@ impl Skull {
     }
 
     fn glasses<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        const CORNERS: u8 = 10;
+        /// Of a rim, in the first two levels.
+        const CORNERS: [u8; 2] = [10, 6];
         const HALF: [f32; 2] = [0.0245, 0.0190]; // of a rim, broad and high
         const THICK: f32 = 0.0028;
         const AHEAD: f32 = 0.0300; // of the middle of the eyes
         const TO_EAR: [f32; 3] = [0.077, 0.112, -0.004];
         let [eye, drop] = EYE_AT;
+        let corners = CORNERS[builder.level.min(1)];
         // rims bend back towards the temples
         let flat = |x: f32, up: f32, out: f32| {
             self.beside([x, drop - 0.001 - up, EYE_DEPTH + AHEAD + out - 2.2 * x * x])
@@ -276,12 +276,12 @@ impl Skull {
         for side in [-1.0, 1.0_f32] {
             let rim = |grow: f32, out: f32| -> Vec<Vec3> {
                 let at = |k: u8| {
-                    let (sine, cosine) = libm::sincosf(TAU * f32::from(k) / f32::from(CORNERS));
+                    let (sine, cosine) = libm::sincosf(TAU * f32::from(k) / f32::from(corners));
                     let rounded = |v: f32| v.signum() * libm::powf(v.abs(), 0.75);
                     let x = eye * 1.03 + rounded(cosine) * (HALF[0] + grow);
                     flat(side * x, rounded(sine) * (HALF[1] + grow), out)
                 };
-                (0..CORNERS).map(at).collect()
+                (0..corners).map(at).collect()
             };
             builder.begin(skin);
             builder.grid(&[rim(0.0, 0.0), rim(THICK, 0.0)], true, FRAME);

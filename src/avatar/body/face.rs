@@ -1,11 +1,11 @@
-//! The finest head: a face in relief, and eyes that turn under lids.
+//! The finest head: a face in relief, and eyes that turn under lids. What the second level has of it.
 //!
 //! The surface of the skull is moved forwards and back by soft bumps. Eyeballs are caps of spheres set into its sockets, with
 //! shells of skin just outside as lids. They hang on joints of their own, which kernel `eyes` turns.
 
 use super::expression::{BROW, MOUTH, bump};
 use super::eye::{EYE_RADIUS, Eye};
-use super::head::{SQUARE, Skin, Skull};
+use super::head::{BEFORE_FACETS, SQUARE, Skin, Skull};
 use super::shape::{Builder, Paint};
 use super::weights::step;
 use super::{Material, SKIN, Sex};
@@ -268,6 +268,48 @@ impl Skull {
         builder.painted_grid(&rows, false, &|row, _| if row == 1 { ridge } else { edge });
         builder.end(Some(Vec3::Z));
         builder.express(first, &|_, own| self.moves_of_brow(own.position));
+    }
+}
+
+/// Of the second level, whose face is flat: strokes where the finest one has brows and lips.
+impl Skull {
+    /// Whether a beard grows here.
+    pub(super) fn is_low_and_in_front(&self, place: Vec3) -> bool {
+        /// Under the crown (man's size), m.
+        const FROM: f32 = 0.170;
+        (self.crown - place.y) / self.size > FROM && place.z > 0.0
+    }
+
+    pub(super) fn brows_and_mouth<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
+        /// Heights of a brow's ends under the crown, m (man's size).
+        const ENDS: [f32; 2] = [0.0878, 0.0866];
+        /// Of a brow, a woman's and a man's, and of the lips, m.
+        const THICK: [f32; 2] = [0.0036, 0.0050];
+        const LIPS_THICK: f32 = 0.0090;
+        /// Of the mouth, m.
+        const HALF_WIDTH: f32 = 0.0215;
+        let is_man = usize::from(self.sex == Sex::Male);
+        let [inner, length] = BROW;
+        for side in [-1.0, 1.0] {
+            let ends = [[side * inner, ENDS[0]], [side * (inner + length), ENDS[1]]];
+            self.stroke(builder, skin, ends, (THICK[is_man], HAIR_OF_BROWS[0]));
+        }
+        let corners = [-1.0, 1.0].map(|side| [side * HALF_WIDTH, MOUTH]);
+        self.stroke(builder, skin, corners, (LIPS_THICK, LIPS[is_man]));
+    }
+
+    /// A stroke from one place on the face to another, each at the side of the middle and under the crown (man's size), m.
+    fn stroke<'a>(
+        &self,
+        builder: &mut Builder<'a>,
+        skin: Skin<'a>,
+        [from, to]: [[f32; 2]; 2],
+        (thick, paint): (f32, Paint),
+    ) {
+        let half = 0.5 * thick;
+        let corners = [(from, -half), (to, -half), (to, half), (from, half)];
+        let corners = corners.map(|([x, drop], off)| self.face(x, drop + off, BEFORE_FACETS));
+        builder.patch(&corners, Vec3::Z, paint, skin);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
 use super::{HAIR, Material, Measures, SKIN, Sex};
+use crate::kernels::shared::outfit::BEARD;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -19,6 +20,8 @@ pub(super) const SKULL: [(f32, f32, f32, f32, usize); 9] = [
     (0.018, 0.052, 0.058, -0.066, 1),
     (0.000, 0.016, 0.015, -0.024, 2),
 ];
+/// A bearded head keeps this row in the second level as well: there the beard ends.
+const BEARD_EDGE: usize = 3;
 pub(super) const SQUARE: f32 = 2.3;
 /// How fast hair closes in on the nape and, beside it, on the neck, metres per metre of height: down to the jaw, and short.
 pub(super) const TO_JAW: [f32; 2] = [0.30, 0.16];
@@ -27,6 +30,8 @@ pub(super) const SHORT: [f32; 2] = [0.45, 0.05];
 pub(super) const UNDER_SHELL: f32 = -0.004;
 const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.50, 0.38, 0.36) };
 const EYE: Paint = Paint::fixed(0.015, 0.012, 0.01);
+/// Eyes, brows and mouth of the second level are so far in front of the skin, m: its facets cut corners off the curved face.
+pub(super) const BEFORE_FACETS: f32 = 0.006;
 
 /// The skull as a function of height.
 pub(super) struct Skull {
@@ -145,7 +150,8 @@ impl Measures {
         let segments = [7, 5][(builder.level - 1).min(1)];
         let mut rings: Vec<Ring> = SKULL
             .iter()
-            .map(|&(drop, half_width, front, back, keep)| Ring {
+            .enumerate()
+            .map(|(row, &(drop, half_width, front, back, keep))| Ring {
                 center: Vec3::new(0.0, skull.crown - drop * size, 0.5 * (front + back) * size),
                 side: Vec3::X * half_width * size,
                 front: Vec3::Z * 0.5 * (front - back) * size,
@@ -154,10 +160,11 @@ impl Measures {
                 // Without a hair shell, the coarsest head wears its hair as paint.
                 paint: if builder.level >= 2 && drop < 0.06 { HAIR } else { SKIN },
                 back_paint: (builder.level >= 2).then_some(HAIR),
-                keep,
+                keep: if row == BEARD_EDGE && self.sex == Sex::Male { 1 } else { keep },
                 cover: Cover::default(),
             })
             .collect();
+        let first = builder.len();
         builder.begin(skin);
         if builder.level >= 2 {
             // The neck belongs to the coarsest head.
@@ -173,9 +180,13 @@ impl Measures {
         );
         builder.end(None);
         if builder.level < 2 {
+            if self.sex == Sex::Male {
+                builder.cover(first, BEARD, &|own| skull.is_low_and_in_front(own.position));
+            }
             self.own_hair(builder, &skull, skin);
             self.nose(builder, &skull, skin);
             Self::eyes(builder, &skull, skin);
+            skull.brows_and_mouth(builder, skin);
         }
     }
 
@@ -196,11 +207,11 @@ impl Measures {
     }
 
     fn eyes<'a>(builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        let [w, h] = [0.018, 0.011];
+        let [w, h] = [0.0140, 0.0070];
         for side in [-1.0, 1.0] {
             let corners = [(-w, 0.0), (-0.5 * w, h), (0.5 * w, h), (w, 0.0), (0.5 * w, -h), (-0.5 * w, -h)];
-            // Flat and just in front of the facets, which cut corners off the curved face.
-            let mut corners = corners.map(|(dx, dy)| skull.face(side * 0.032 + dx, 0.108 + dy, 0.006));
+            let mut corners =
+                corners.map(|(dx, dy)| skull.face(side * 0.032 + dx, 0.108 + dy, BEFORE_FACETS));
             let depth = corners.iter().map(|p| p.z).sum::<f32>() / 6.0;
             corners.iter_mut().for_each(|p| p.z = 0.4 * p.z + 0.6 * depth);
             builder.patch(&corners, Vec3::Z, EYE, skin);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::kernels::shared::body::index::{LEFT_EYE, LIDS, RIGHT_EYE, SKIN_JOINTS};
+use crate::kernels::shared::outfit::{BEARD, GLASSES};
 use std::collections::HashMap;
 
 /// Signed volume, and the area of triangles whose normals disagree with their winding.
@@ -246,5 +247,18 @@ fn fingers_close_into_the_palm_and_stay_fingers() {
         };
         let ratio = area(1.0) / area(0.0);
         assert!((0.8..1.05).contains(&ratio), "clenched fingers have {ratio} of their skin");
+    }
+}
+
+#[test]
+fn beards_and_glasses_are_seen_in_the_first_two_levels() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let levels = &avatar.wardrobe.as_ref().unwrap().levels;
+        let has = |tailored: &[Tailoring], part| tailored.iter().any(|own| own.part == part);
+        let found = |level: &Clothes| [has(&level.own, BEARD), has(&level.of_others, GLASSES)];
+        let wanted = [sex == Sex::Male, true];
+        let found: Vec<_> = levels.iter().map(found).collect();
+        assert_eq!(found, [wanted, wanted, [false; 2]], "{}", avatar.name);
     }
 }

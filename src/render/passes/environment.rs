@@ -13,7 +13,7 @@ use crate::gpu::Buffer;
 use crate::kernels::draw;
 use crate::scenario::Distant;
 use ash::vk;
-use glam::{Mat4, Vec3};
+use glam::Vec4;
 
 /// Draws triangles that do not move.
 pub(in super::super) struct EnvironmentPass {
@@ -56,10 +56,7 @@ impl EnvironmentPass {
         if indices.is_empty() {
             return Ok(());
         }
-        let corner = |index: u32| {
-            let [x, y, z, _] = vertices[index as usize][0];
-            Vec3::new(x, y, z)
-        };
+        let corner = |index: u32| Vec4::from(vertices[index as usize][0]);
         let has_map = self.quality > Quality::Low;
         let ground_map = has_map.then(|| ground_map::bake(&vertices, &indices));
         if let Some(index) = far_indices.iter().find(|index| **index as usize >= vertices.len()) {
@@ -89,12 +86,16 @@ impl EnvironmentPass {
     }
 
     pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
-        self.draw(frame, commands, self.solid, frame.eye_pass, frame.eyes());
+        self.draw(frame, commands, self.solid, frame.eye_pass, |scenery, sight| {
+            scenery.seen(frame.eyes(), sight)
+        });
     }
 
     /// Things cast shadows as they are drawn: they would shade themselves otherwise.
     pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>, map: &SunMap) {
-        self.draw(frame, commands, self.shadow, map.pass, std::slice::from_ref(&map.shadow_from_world));
+        self.draw(frame, commands, self.shadow, map.pass, |scenery, sight| {
+            scenery.casting(&map.shadow_from_world, sight)
+        });
     }
 
     fn draw(
@@ -103,7 +104,7 @@ impl EnvironmentPass {
         commands: &Commands<'_>,
         pipeline: vk::Pipeline,
         pass: usize,
-        clip_from_world: &[Mat4],
+        ranges: impl Fn(&Scenery, &Sight<'_>) -> Vec<(u32, u32)>,
     ) {
         let Some(mesh) = &self.mesh else { return };
         let sight = Sight::of(frame.view, frame.settings.height);
@@ -113,7 +114,7 @@ impl EnvironmentPass {
             unsafe {
                 let (raw, buffer) = (commands.raw(), commands.buffer);
                 raw.cmd_bind_index_buffer(buffer, mesh.indices.raw, 0, vk::IndexType::UINT32);
-                for (first, count) in mesh.scenery.seen(clip_from_world, &sight) {
+                for (first, count) in ranges(&mesh.scenery, &sight) {
                     raw.cmd_draw_indexed(buffer, count, 1, first, 0, 0);
                 }
             }
