@@ -177,9 +177,9 @@ mod tests {
         let map = bake(&vertices, &indices);
         let (columns, cells) = (map[3] as usize, &map[5..]);
         let own = |cell: usize| cells[cell] & 255;
-        for cell in 0..cells.len() - columns - 1 {
+        for (cell, word) in cells.iter().enumerate().take(cells.len() - columns - 1) {
             let four = [cell, cell + 1, cell + columns, cell + columns + 1].map(|other| own(other) as u8);
-            assert_eq!(cells[cell].to_le_bytes(), four, "cell {cell}");
+            assert_eq!(word.to_le_bytes(), four, "cell {cell}");
         }
     }
 

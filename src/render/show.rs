@@ -375,11 +375,10 @@ impl Show {
 
 /// Level distances `[first, second, farthest, lod3]` of a view in an image with these settings, and that of lod4, m.
 ///
-/// The first two are meant for frames of [`FULL_FOCAL`] of high quality; in others the levels come nearer (see
-/// [`super::settings::Quality`]). In
-/// smaller frames they come nearer too, and in larger ones they go farther, up to [`LARGEST`] times, so that people are as many
-/// pixels high where they change. Lod3 begins where people are [`FAR_PIXELS`] high, lod4 at [`SPECK_PIXELS`];
-/// both come nearer as the second level does. On a map no agent (0) or every agent has them.
+/// The first two are meant for frames of [`FULL_FOCAL`]. In smaller frames they come nearer, and in larger ones they go farther, up to
+/// [`LARGEST`] times, so that people are as many pixels high where they change. Lod3 begins where people are [`FAR_PIXELS`] high,
+/// lod4 at [`SPECK_PIXELS`]; both come nearer as the second level does. That is so at high quality; at others all but lod4 begin
+/// nearer. On a map no agent (0) or every agent has them.
 pub(crate) fn level_distances(
     view: &View,
     settings: &Settings,
