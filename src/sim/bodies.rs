@@ -30,10 +30,10 @@ const MOST_VISIBLE: u64 = 100_000;
 const MOST_SKINNED: u64 = 48 << 20;
 /// Storage buffers of this size can be bound by every Vulkan device.
 pub const SMALLEST_STORAGE_RANGE: u64 = 128 << 20;
-/// Nearer than the first two an agent is drawn in level 0 or 1; farther than the third it is not drawn, m. Between the
-/// second and the third lies the distance from which on far bodies are drawn: a person is then [`FAR_PIXELS`] high.
+/// Nearer than the first two an agent is drawn in level 0 or 1 at high quality; farther than the third it is not drawn, m. Between
+/// the second and the third lies the distance from which on far bodies are drawn: a person is then [`FAR_PIXELS`] high.
 pub const LEVEL_DISTANCES: [f32; 3] = [8.0, 20.0, 2000.0];
-/// People below this height are drawn as far bodies, pixels.
+/// People below this height are drawn as far bodies at high quality, pixels.
 pub const FAR_PIXELS: f32 = 16.0;
 /// Far bodies below this height are specks, pixels.
 pub const SPECK_PIXELS: f32 = 7.0;
